@@ -1,12 +1,11 @@
 #include "viewer/loaded_models.hpp"
 
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 
+#include "common/base/machine.hpp"
 #include "common/base/number_text.hpp"
 #include "common/dataset/dataset.hpp"
 
@@ -17,10 +16,6 @@ using namespace std::chrono_literals;
 
 constexpr auto tell_every = 1s;
 constexpr auto call_every = 50ms;
-constexpr int least_priority = 19;  // a nice value, the lowest priority
-
-/// Lowers the priority of the calling thread and of all threads that it starts later (on Linux).
-void giveWay() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority); }
 
 bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
   std::stop_source stop;

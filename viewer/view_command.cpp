@@ -31,7 +31,11 @@ void check(const ViewOptions& options) {
       !(options.device.starts_with("virtual") || options.device.starts_with("replay")))
     throw badInput("--fast works only with the virtual hand and replays; {} runs in real time",
                    options.device);
-  const bool follows = !options.live.empty() || options.datasets.front().extension() == ".toml";
+  const bool is_scene = options.datasets.front().extension() == ".toml";
+  const bool follows = !options.live.empty() || is_scene;
+  if (!options.build.empty() && !is_scene)
+    throw badInput("--build {}: give the scene, SCENE.toml, instead of {}", options.build.string(),
+                   options.datasets.front().string());
   if (!options.follower.empty() && !follows)
     throw badInput("--follower {}: give the scene too, with --live", options.follower);
   if (options.fast && follows) throw badInput("solving near the hand needs a clock: omit --fast");
@@ -99,6 +103,9 @@ std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOp
   app.add_option("--method", options->method, "Interpolation method at the start")
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();
+  app.add_option("--build", options->build,
+                 "Build the dataset of the scene meanwhile, and touch it once it is complete")
+      ->type_name("OUT.h5");
   addTouchOptions(app, *options, *contact);
   app.add_option("--duration", options->duration, "Length of the run, s (0: no limit)")
       ->capture_default_str();

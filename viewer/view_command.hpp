@@ -16,11 +16,12 @@ struct ViewOptions {
   /// At least one; the first is shown at the start. The first may also be a scene (SCENE.toml),
   /// which the live solver solves near the hand.
   std::vector<std::filesystem::path> datasets;
-  std::string device;          ///< a word of device_choice.hpp
-  KeyOptions keys = {};        ///< for a network device
-  std::string profile;         ///< a name in device_profiles; empty: the device's own limits
-  std::filesystem::path live;  ///< scene of the first dataset; empty: no live solver
-  std::string follower;        ///< endpoint of a live solver; empty: one is started
+  std::string device;           ///< a word of device_choice.hpp
+  KeyOptions keys = {};         ///< for a network device
+  std::string profile;          ///< a name in device_profiles; empty: the device's own limits
+  std::filesystem::path live;   ///< scene of the first dataset; empty: no live solver
+  std::string follower;         ///< endpoint of a live solver; empty: one is started
+  std::filesystem::path build;  ///< dataset of the scene to build meanwhile; empty: none
   std::string method = "potential";
   std::optional<ContactMode> contact;  ///< nullopt: as the scene requests
   double friction = 0.2;

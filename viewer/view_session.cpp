@@ -11,11 +11,13 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/number_text.hpp"
+#include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/problem/problem.hpp"
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
+#include "viewer/live/build_beside.hpp"
 #include "viewer/live/guessed_dataset.hpp"
 #include "viewer/live/live_link.hpp"
 #include "viewer/loaded_models.hpp"
@@ -45,6 +47,7 @@ class ViewSession {
     if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
     refuseInput(options_.record, "--record", options_.datasets);
     if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
+    if (!options_.build.empty()) refuseUnwritable(options_.build, "--build");
     if (!options_.video.empty()) video_.emplace(options_.video);
     // Open the device last, so that no earlier error can leave it with a force.
     loaded_ = std::make_unique<LoadedModels>(options_.datasets, modelOptions());
@@ -54,6 +57,7 @@ class ViewSession {
     prepareFirst();
     if (quit_) return;
     if (link_) awaitLive();
+    if (!options_.build.empty()) build_.emplace(scene_, options_.build);
     device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile(),
                                            options_.keys, options_.hand_speed, options_.real_time});
     makeTick();
@@ -99,6 +103,7 @@ class ViewSession {
       throw badInput("--live {}: omit it, because {} is a scene, which is solved live anyway",
                      options.live.string(), first.string());
     followed_ = loadProblem(first);
+    scene_ = first;
     guess_.emplace(*followed_);
     options.live = std::exchange(first, guess_->file());
     return options;
@@ -159,7 +164,8 @@ class ViewSession {
   void startLive() {
     const HapticModel& model = loaded_->first();
     if (!guess_) followed_ = loadProblem(options_.live);
-    live_build_ = guess_ ? model.buildId() : problemId(*followed_);
+    build_id_ = problemId(*followed_);
+    live_build_ = guess_ ? model.buildId() : build_id_;
     live_.emplace(followedRadius(model, live_build_), guess_.has_value());
     LiveLinkOptions link_options = {encodeProblem(*followed_), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
@@ -280,11 +286,36 @@ class ViewSession {
     said_ = status_.trouble;
     if (loop_) status_.loop = loop_->statistics();
     doubtPosition();
+    if (build_) lookAtBuild();
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
     if (!replaced || !status_.notice.empty()) return;
     status_.notice = fmt::format("{} was replaced; the old dataset is used until you reload",
                                  replaced->string());
     spdlog::warn("{}", status_.notice);
+  }
+
+  /// Prefers the site nearest to the finger, and loads the dataset once it is complete. A recording
+  /// keeps the datasets with which it began.
+  void lookAtBuild() {
+    if (const std::optional<int> code = build_->exitCode()) {
+      const bool complete = *code == 0 || *code == 3;
+      if (!complete)
+        spdlog::warn("the build of {} has ended with exit code {}; its messages are above",
+                     options_.build.string(), *code);
+      build_.reset();
+      if (!complete) return;
+      spdlog::info("{} is complete", options_.build.string());
+      options_.datasets = {options_.build};
+      if (picture_) reload();
+      return;
+    }
+    const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
+    if (!touch.touching) return;
+    const auto distance = [&](const SpaceTable& space) {
+      return (space.patch.finger->center - touch.anchor_position).squaredNorm();
+    };
+    const std::vector<SpaceTable>& spaces = loaded_->first().spaces();
+    build_->prefer(std::ranges::min_element(spaces, {}, distance)->patch.name);
   }
 
   /// Warns if the positions of the device seem to be in millimetres. The tool would then never come
@@ -372,6 +403,10 @@ class ViewSession {
     // Destroy the old models last, because their preparation may still run.
     const auto old = std::exchange(loaded_, std::move(fresh));
     openPicture();
+    if (live_ && loaded_->first().buildId() == build_id_) {
+      live_->replaceGuess();
+      live_build_ = build_id_;
+    }
     makeTick();
     if (!stepped()) loaded_->prepareTheRest();
     if (ran) startLoop();
@@ -413,20 +448,28 @@ class ViewSession {
       writePng(picture_->grab(), options_.screenshot);
     }
     if (link_) tellLive(link_->statistics());
+    if (build_)
+      spdlog::info("{} is not complete; continue with: palpate build {} -o {}",
+                   options_.build.string(), shellWord(scene_.string()),
+                   shellWord(options_.build.string()));
+    build_.reset();
     if (video_) spdlog::info("{}: {} frames", options_.video.string(), video_->count());
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
 
   std::optional<Problem> followed_;      ///< of the scene, until the live solver has it
   std::optional<GuessedDataset> guess_;  ///< if the user gave a scene
-  const ViewOptions options_;
+  std::filesystem::path scene_;          ///< file of that scene
+  ViewOptions options_;
   std::unique_ptr<LoadedModels> loaded_;
   std::optional<VideoFrames> video_;
   std::unique_ptr<Picture> picture_;  ///< null if headless
   std::unique_ptr<HapticDevice> device_;
   std::optional<LiveTouch> live_;  ///< with --live
-  ContentId live_build_;           ///< problemId of the scene that is followed
+  ContentId build_id_;             ///< problemId of the scene that is followed
+  ContentId live_build_;           ///< build_id_, or that of the guess that stands for a dataset
   std::optional<LiveLink> link_;
+  std::optional<BuildBeside> build_;
   std::unique_ptr<HapticTick> tick_;
   std::optional<Recorder> recorder_;
   std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped()

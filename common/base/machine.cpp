@@ -3,6 +3,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -80,6 +81,11 @@ unsigned coreCount() {
   if (const auto quota = coresOfGroups(); quota && *quota < cores)
     cores = static_cast<unsigned>(std::ceil(*quota));
   return std::max(1U, cores);
+}
+
+void giveWay() {
+  constexpr int lowest = 19;  // a nice value, which Linux keeps for each thread
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), lowest);
 }
 
 void requireMemory(std::size_t bytes) {

@@ -12,6 +12,10 @@ namespace palpate {
 /// Returns the number of cores, at least 1.
 unsigned coreCount();
 
+/// Gives the calling thread, and all threads and programs that it starts later, the lowest
+/// priority.
+void giveWay();
+
 /// Returns the number of cores, which may be a fraction, to which control groups (versions 1 and 2)
 /// limit this process. This is the smallest limit of its groups and their parents, or nullopt if
 /// none of them has a limit. `groups` is a file like /proc/self/cgroup that lists the groups of the

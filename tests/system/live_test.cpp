@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,6 +16,8 @@ namespace {
 
 using test::contentOf;
 using test::Process;
+using testing::HasSubstr;
+using testing::Not;
 
 /// A finger on the top of a cube, with a coarse dataset of four places.
 class LiveTest : public ::testing::Test {
@@ -112,6 +115,26 @@ TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {
   expectFollowed(touchesIn("scene.h5"), "stiff.toml");
 }
 
+TEST_F(LiveTest, ASceneIsBuiltWhileItIsTouched) {
+  const auto touched = [](const char* seconds) {
+    Process run("palpate-viewer",
+                {"view", "cube.toml", "--headless", "--hand-speed", "0.05", "--build", "beside.h5",
+                 "--duration", seconds},
+                directory_->path());
+    EXPECT_EQ(run.wait(), 0) << run.output();
+    return run.output();
+  };
+  EXPECT_THAT(touched("2"), Not(HasSubstr("complete")));
+  // Another command continues the build.
+  ASSERT_TRUE(std::filesystem::exists(*directory_ / "beside.h5.state"));
+  Process rest("palpate-scheduler", {"build", "cube.toml", "-o", "beside.h5", "-j", "1"},
+               directory_->path());
+  EXPECT_EQ(rest.wait(), 0) << rest.output();
+  EXPECT_TRUE(contentOf(*directory_ / "beside.h5") == contentOf(*directory_ / "cube.h5"));
+  // A complete one is only announced.
+  EXPECT_THAT(touched("2"), HasSubstr("beside.h5 is complete"));
+}
+
 TEST_F(LiveTest, AFollowerThatIsKilledIsStartedAgain) {
   auto run = view({"--live", "cube.toml", "--duration", "8", "--record", "killed.h5"});
   const auto follower = [&] {
@@ -152,6 +175,7 @@ TEST_F(LiveTest, TheSceneOfAnotherBuildIsRefused) {
   EXPECT_EQ(view({"--live", "nothing.toml", "--duration", "1"})->wait(), 2);
   EXPECT_EQ(view({"--live", "cube.toml", "--fast", "--duration", "1"})->wait(), 2);
   EXPECT_EQ(view({"--follower", "ipc:///tmp/f", "--duration", "1"})->wait(), 2);
+  EXPECT_EQ(view({"--build", "again.h5", "--duration", "1"})->wait(), 2);
   Process scene("palpate-viewer", {"view", "cube.toml", "--headless", "--fast", "--duration", "1"},
                 directory_->path());
   EXPECT_EQ(scene.wait(), 2) << scene.output();

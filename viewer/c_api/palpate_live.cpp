@@ -16,7 +16,7 @@ OpenLiveService* liveModule() {
   if (dladdr(reinterpret_cast<const void*>(&palpate_live_start), &here) == 0)
     throw std::runtime_error("the file of libpalpate is unknown");
   const std::filesystem::path module =
-      std::filesystem::path(here.dli_fname).parent_path() / "palpate" / PALPATE_LIVE_MODULE;
+      std::filesystem::path(here.dli_fname).parent_path() / "palpate/live-" PALPATE_VERSION ".so";
   void* const loaded = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (loaded == nullptr)
     throw std::runtime_error(fmt::format("{}; install the package palpate", dlerror()));

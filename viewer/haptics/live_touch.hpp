@@ -39,6 +39,8 @@ class LiveTouch {
       : radius_(finger_radius), guessed_(guessed), correction_(finger_radius) {}
 
   double fingerRadius() const { return radius_; }  ///< m
+  /// A dataset has replaced the guess. Call it while no tick runs.
+  void replaceGuess() { guessed_ = false; }
 
   // The haptic thread; real time.
   /// Takes a new equilibrium, if there is one, and advances the fade to it by `period` seconds. A
@@ -63,7 +65,7 @@ class LiveTouch {
   double fadeOf(const Expansion& expansion, double period) const noexcept;
 
   const double radius_;
-  const bool guessed_;
+  bool guessed_;
   TripleBuffer<LiveHand> hands_;
   TripleBuffer<Answer> answers_;
   std::uint64_t answered_ = 0;  ///< used by the asking thread
