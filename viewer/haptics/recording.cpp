@@ -40,7 +40,7 @@ Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) 
 }
 
 Eigen::Vector3d timesOf(const HeldForces& held) { return {held.delay, held.interval, held.hold}; }
-std::uint32_t forcesOf(const HeldForces& held) {
+std::uint32_t packedForces(const HeldForces& held) {
   return held.newest | (std::uint32_t{held.oldest} << 16);
 }
 HeldForces heldForces(std::uint32_t forces, const Eigen::Vector3d& times) {
@@ -60,7 +60,7 @@ auto makeChannels() {
               +[](State s) { return s.reading.status; }},
       Channel{"/device/held_times", "s", +[](State s) { return timesOf(s.reading.held); }},
       Channel{"/device/held_forces", "ticks ago",
-              +[](State s) { return forcesOf(s.reading.held); }},
+              +[](State s) { return packedForces(s.reading.held); }},
       Channel{"/tool/position", "m", +[](State s) { return s.tool; }},
       Channel{"/force/rendered", "N", +[](State s) { return s.force; }},
       Channel{"/force/raw", "N", +[](State s) { return s.touch.force; }},

@@ -19,7 +19,7 @@ constexpr double lifted = 0.75;         // share of that distance; a tool that h
                                         // far may go to another place
 constexpr double fastest = 6;           // radii of the body per second, along the skin
 constexpr double stroke = 0.015;        // heights of the view per stroke of an arrow key
-constexpr double longest_frame = 0.05;  // s, longest time step; a slower frame moves the tool no
+constexpr double longest_step = 0.05;   // s, longest time step; a slower frame moves the tool no
                                         // further
 
 /// Returns whether two places are equal. Two places that are not finite are equal too.
@@ -33,7 +33,7 @@ void MouseHand::update(const HapticModel& model, ContactMode contact, const Orbi
                        const HandInput& input) {
   use(model, contact == ContactMode::glued);
   seen_ = placeUnder(model.surface(), camera, input.pointer);
-  double seconds = std::clamp(input.seconds, 0.0, longest_frame);
+  double seconds = std::clamp(input.seconds, 0.0, longest_step);
   const bool pressed = input.button && !last_.button;
   if (pressed && seen_ && seen_->touchable) {
     // Take over from the keys: the tool disappears at their place and appears at this one.
