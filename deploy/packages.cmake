@@ -55,7 +55,7 @@ function(palpate_package name)
   set(CPACK_DEBIAN_${upper}_DESCRIPTION "${arg_SUMMARY}\n${arg_DESCRIPTION}" PARENT_SCOPE)
 endfunction()
 
-palpate_package(palpate COMPONENTS service verification manual documents data SECTION science
+palpate_package(palpate COMPONENTS service live verification manual documents data SECTION science
   REPLACES palpate-viewer  # whose earlier versions had the manual pages of query, report, share and export
   RECOMMENDS "palpate-viewer (= ${PROJECT_VERSION}), gmsh" SUGGESTS "python3-palpate, python3-meshio, tetgen, slurm-client, bash-completion"
   SUMMARY "feel a nonlinear soft body at 1 kHz"

@@ -125,7 +125,7 @@ class Contact {
   /// position is used
   Eigen::Vector3d last_tool_;
   State state_;
-  bool step_follows_ = false;        ///< value that Touch::stepped gets in the next update
+  bool step_follows_ = false;  ///< value that Touch::stepped gets in the next update
   std::uint64_t updates_ = 0;
   std::int32_t near_triangle_ = -1;  ///< triangle of the last nearest point, where the next search
                                      ///< begins

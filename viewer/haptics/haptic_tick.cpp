@@ -14,7 +14,8 @@ const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
   return *models.front();
 }
 
-/// Returns the options with the tick's period in those of guard and contact. The force limit is never above the device's, whatever the options say.
+/// Returns the options with the tick's period in those of guard and contact. The force limit is
+/// never above the device's, whatever the options say.
 TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
   options.contact.period = options.period;

@@ -178,6 +178,8 @@ TEST_F(Examples, PythonExampleRuns) {
                                    {"DatasetInfo", sizeof(palpate_dataset_info)},
                                    {"GuardOptions", sizeof(palpate_guard_options)},
                                    {"GuardedForce", sizeof(palpate_guarded_force)},
+                                   {"LiveInfo", sizeof(palpate_live_info)},
+                                   {"LiveOptions", sizeof(palpate_live_options)},
                                    {"OpenOptions", sizeof(palpate_open_options)},
                                    {"Profile", sizeof(palpate_profile)},
                                    {"SpaceInfo", sizeof(palpate_space_info)},
