@@ -70,6 +70,6 @@ class LinkedService final : public LiveService {
 }  // namespace
 }  // namespace palpate
 
-extern "C" palpate::LiveService* palpate_open_live_service(const palpate::LiveRequest& request) {
+extern "C" palpate::LiveService* openLiveService(const palpate::LiveRequest& request) {
   return new palpate::LinkedService(request);
 }

@@ -33,6 +33,6 @@ class LiveService {
 /// Entry of the module. Reads the scene, and makes the guess. Throws the errors of loadProblem()
 /// and GuessedDataset, and std::runtime_error if there is no worker. The caller owns the result.
 using OpenLiveService = LiveService*(const LiveRequest& request);
-constexpr const char* live_service_entry = "palpate_open_live_service";
+constexpr const char* live_service_entry = "openLiveService";
 
 }  // namespace palpate
