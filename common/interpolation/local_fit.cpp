@@ -185,14 +185,17 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 
 Eigen::VectorXd LocalFits::fitted(const Factors& factors, const std::vector<FitSource>& sources,
                                   const LocalPolynomial& known) const {
+  const bool has_terms = !known.derivatives.isZero(0);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
   Eigen::Index row = 0;
   for (const FitSource& source : sources) {
     const LatticePoint& o = source.offset;
     const Eigen::Index numbers = numbersOf(source.known, kind_.known);
-    right.segment(row, numbers) =
-        dataOf(*source.data, known.scale, kind_.known).head(numbers) -
-        known.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
+    auto data = right.segment(row, numbers);
+    data = dataOf(*source.data, known.scale, kind_.known).head(numbers);
+    if (has_terms)
+      data -=
+          known.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
     row += numbers;
   }
   right.head(factors.weights.size()).array() *= factors.weights.array();

@@ -185,7 +185,10 @@ std::vector<ResultKey> Leases::openOf(const std::string& worker, std::uint64_t j
 void Leases::putBack(const ResultKey& key, Entry& entry) {
   entry.worker.clear();
   if (isAside(entry)) return;
-  if (entry.is_check) return void(waiting_checks_.insert(key));
+  if (entry.is_check) {
+    waiting_checks_.insert(key);
+    return;
+  }
   waiting_[startOf(key.space, key.parent)].insert(key.target);
   ++waiting_count_;
 }
