@@ -431,12 +431,10 @@ class ViewSession {
   }
 
   static void tellLive(const LiveStatistics& live) {
-    const double count =
-        static_cast<double>(std::max<std::uint64_t>(1, live.answers + live.failures));
     spdlog::info(
         "the live solver found {}, on average {:.1f} ms and at most {:.1f} ms after the request; "
         "it found none for {} of the hand and was restarted {}",
-        counted(live.answers, "equilibrium", "equilibria"), 1e3 * live.seconds / count,
+        counted(live.answers, "equilibrium", "equilibria"), 1e3 * live.meanSeconds(),
         1e3 * live.largest_seconds, counted(live.failures, "position"),
         counted(live.restarts, "time"));
   }

@@ -159,13 +159,15 @@ Ran runToItsEnd(const ForeignProgram& program) {
   return {WEXITSTATUS(status), readWhole(out), readWhole(err)};
 }
 
-bool isInstalled(const std::string& program) {
-  if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
+std::string installedPath(const std::string& program) {
+  if (program.find('/') != std::string::npos)
+    return access(program.c_str(), X_OK) == 0 ? program : "";
   const char* path = std::getenv("PATH");
   std::istringstream folders(path != nullptr ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');)
-    if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
-  return false;
+    if (std::string file = std::filesystem::path(folder) / program; access(file.c_str(), X_OK) == 0)
+      return file;
+  return "";
 }
 
 }  // namespace palpate

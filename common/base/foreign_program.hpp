@@ -30,7 +30,9 @@ struct Ran {
 /// a signal, or takes longer than `patience`.
 Ran runToItsEnd(const ForeignProgram& program);
 
-/// Returns whether the program exists in $PATH or at this path.
-bool isInstalled(const std::string& program);
+/// Returns the path of a program, which is searched in $PATH unless its name has a slash; empty if
+/// there is no such executable.
+std::string installedPath(const std::string& program);
+inline bool isInstalled(const std::string& program) { return !installedPath(program).empty(); }
 
 }  // namespace palpate

@@ -1,12 +1,9 @@
 #include "viewer/c_api/live_module.hpp"
 
-#include <unistd.h>
-
-#include <cstdlib>
-#include <sstream>
 #include <stdexcept>
 
 #include "common/base/error.hpp"
+#include "common/base/foreign_program.hpp"
 #include "common/keys/key_options.hpp"
 #include "viewer/live/guessed_dataset.hpp"
 #include "viewer/live/live_link.hpp"
@@ -17,22 +14,15 @@ namespace {
 /// Longest wait for the state at rest.
 constexpr std::chrono::seconds start_patience{60};
 
-std::string workerInPath() {
-  const char* const path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (std::string file = folder + "/palpate-worker"; access(file.c_str(), X_OK) == 0) return file;
-  throw std::runtime_error(
-      "there is no program palpate-worker in PATH; install Palpate, or set options->worker");
-}
-
 LiveLinkOptions linkOptions(const Problem& problem, const LiveRequest& request) {
   LiveLinkOptions options;
   options.problem = encodeProblem(problem);
   if (request.follower == nullptr) {
-    options.worker = request.worker != nullptr ? request.worker : workerInPath();
-    if (access(options.worker.c_str(), X_OK) != 0)
-      throw std::runtime_error(fmt::format("options->worker {}: {}", options.worker, errnoText()));
+    options.worker = installedPath(request.worker != nullptr ? request.worker : "palpate-worker");
+    if (options.worker.empty())
+      throw std::runtime_error(
+          fmt::format("there is no program {}; install Palpate, or set options->worker",
+                      request.worker != nullptr ? request.worker : "palpate-worker in PATH"));
     return options;
   }
   options.endpoint = request.follower;

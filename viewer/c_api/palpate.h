@@ -278,8 +278,7 @@ PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* data
  * far away. displacement: of the finger from that point, m. Beyond the solved region the force
  * continues as in palpate_query. A place or displacement that is not finite gives zero force and
  * inside = 0. Any thread, real time (wait-free). Near fixed nodes the call takes about 100
- * microseconds longer, and about a millisecond longer if half of the finger rests on fixed nodes.
- * */
+ * microseconds longer, and about a millisecond longer if half of the finger is on fixed nodes. */
 PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, int32_t area,
                                               const double at[3], const double displacement[3],
                                               palpate_area_sample* sample);
@@ -432,8 +431,7 @@ typedef struct palpate_live_options {
   double period; /* s, > 0: time between two calls of palpate_contact_update; default 0.001 */
   /* path of the program palpate-worker, which is started; NULL (default): found in PATH */
   const char* worker;
-  /* address of a running `palpate follow`, "tcp://HOST:PORT"; NULL (default): start a worker here
-   */
+  /* address of a running `palpate follow`, "tcp://HOST:PORT"; NULL (default): a worker starts */
   const char* follower;
   /* folder of the keys for `follower`; NULL (default): the folder that `palpate key` uses; "":
    * none, for a follower with --insecure */
@@ -455,8 +453,9 @@ typedef struct palpate_live_info {
  * (.toml). dataset: the dataset of this scene that is corrected; NULL: a guess stands for it, a
  * spring at every place, whose forces are marked as not inside and have themselves as error bound.
  * Takes seconds. options: NULL for the defaults. Pass *live to palpate_live_stop later; it is NULL
- * on failure. Errors: those of palpate_dataset_open for the scene; PALPATE_INVALID_ARGUMENT;
- * PALPATE_FAILED if the live solver does not start or cannot solve the scene. Threads and HDF5: as
+ * on failure. Errors: PALPATE_BAD_FILE for an invalid scene, follower or folder of keys, and if the
+ * scene has no finger or is not that of the dataset; PALPATE_INVALID_ARGUMENT; PALPATE_FAILED if
+ * the live solver does not start or cannot solve the scene. Threads and HDF5: as
  * palpate_dataset_open. */
 PALPATE_API palpate_status palpate_live_start(const char* scene, const palpate_dataset* dataset,
                                               const palpate_live_options* options,
@@ -507,7 +506,7 @@ typedef struct palpate_guard_options {
   double ramp;      /* s, > 0, over which a step of the force is faded in; default 0.05 */
   /* s, > 0: the force goes to zero after this time without a fresh reading; default 0.02 */
   double stall;
-  double max_stiffness; /* N/m, > 0, of the device; default 400; limits nothing today */
+  double max_stiffness; /* N/m, > 0, of the device; default 400; has no effect at present */
   double energy_credit; /* J, >= 0: most energy surplus or deficit remembered; default 1e-4 */
   /* s, >= 0, at most 30 periods: time from the reading of a position until the force computed from
    * that position acts. Default 0: the force is sent within the period of the call and acts at

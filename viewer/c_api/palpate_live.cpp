@@ -18,9 +18,10 @@ OpenLiveService* liveModule() {
   const std::filesystem::path module =
       std::filesystem::path(here.dli_fname).parent_path() / "palpate/live-" PALPATE_VERSION ".so";
   void* const loaded = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (loaded == nullptr)
+  void* const entry = loaded != nullptr ? dlsym(loaded, live_service_entry) : nullptr;
+  if (entry == nullptr)
     throw std::runtime_error(fmt::format("{}; install the package palpate", dlerror()));
-  return reinterpret_cast<OpenLiveService*>(dlsym(loaded, live_service_entry));
+  return reinterpret_cast<OpenLiveService*>(entry);
 }
 
 std::shared_ptr<LiveScene> startedFor(const char* file, const palpate_dataset* dataset,
@@ -74,8 +75,7 @@ palpate_status palpate_live_describe(const palpate_live* live, palpate_live_info
     now.answers = statistics.answers;
     now.failures = statistics.failures;
     now.restarts = statistics.restarts;
-    const std::uint64_t count = statistics.answers + statistics.failures;
-    if (count > 0) now.mean_seconds = statistics.seconds / static_cast<double>(count);
+    now.mean_seconds = statistics.meanSeconds();
     now.largest_seconds = statistics.largest_seconds;
     give(info, now);
   });

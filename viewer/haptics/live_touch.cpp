@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
+#include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
 namespace {

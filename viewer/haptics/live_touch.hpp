@@ -1,10 +1,12 @@
 #pragma once
 
+#include "common/base/bytes32.hpp"
 #include "viewer/fields/live_correction.hpp"
-#include "viewer/haptics/haptic_model.hpp"
 #include "viewer/haptics/triple_buffer.hpp"
 
 namespace palpate {
+
+class HapticModel;
 
 /// State of the finger in one tick of the haptic thread.
 struct LiveHand {
@@ -26,6 +28,11 @@ struct LiveStatistics {
   std::uint64_t restarts = 0;  ///< number of restarts and reconnections of the live solver
   double seconds = 0;  ///< s, time from question to answer, summed over answers and failures
   double largest_seconds = 0;  ///< s, largest time from question to answer
+
+  double meanSeconds() const {  ///< s, from question to answer; 0 before the first answer
+    const std::uint64_t count = answers + failures;
+    return count > 0 ? seconds / static_cast<double>(count) : 0;
+  }
 };
 
 /// Passes the state of the hand from the haptic thread to the thread that asks the live solver

@@ -25,10 +25,13 @@ constexpr unsigned cores_left = 2;
 
 std::string stateOf(const std::filesystem::path& output) { return output.string() + ".state"; }
 
-/// Returns the exit code of a child that has ended; nullopt while it runs.
+/// Returns the exit code of a child that has ended; nullopt while it runs. Error if the system
+/// refuses.
 std::optional<int> exitCodeOf(pid_t child) {
   int status = 0;
-  if (waitpid(child, &status, WNOHANG) != child) return std::nullopt;
+  const pid_t ended = waitpid(child, &status, WNOHANG);
+  if (ended < 0) throw failure("cannot wait for palpate build: {}", errnoText());
+  if (ended == 0) return std::nullopt;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 

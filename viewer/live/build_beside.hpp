@@ -15,7 +15,8 @@ class BuildBeside {
  public:
   /// output: the dataset. The build stores its state in OUTPUT.state.
   BuildBeside(std::filesystem::path scene, std::filesystem::path output);
-  /// Lets the workers finish their solves, and ends the build; `palpate build` continues it.
+  /// Lets the workers finish their solves for at most 10 s, and ends the build; `palpate build`
+  /// continues it.
   ~BuildBeside() = default;
 
   /// Asks the scheduler to compute this space before all others. Does not wait. Any thread.
