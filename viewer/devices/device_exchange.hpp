@@ -8,6 +8,7 @@
 #include <string>
 
 #include "viewer/haptics/haptic_device.hpp"
+#include "viewer/haptics/real_time.hpp"
 #include "viewer/haptics/triple_buffer.hpp"
 
 namespace palpate {
@@ -74,12 +75,6 @@ class DeviceExchange {
   std::string trouble_;
 };
 
-/// Properties that a device reports about itself.
-struct DeviceTraits {
-  DeviceProfile profile;
-  bool lives_in_scene = false, has_buttons = true;
-};
-
 /// A device that has its own thread and is connected to the haptic thread by a DeviceExchange.
 class ThreadedDevice : public HapticDevice {
  public:
@@ -88,12 +83,12 @@ class ThreadedDevice : public HapticDevice {
   void halt() noexcept override { exchange_->halt(); }
   void resume() noexcept override { exchange_->resume(); }
   std::string trouble() const override { return exchange_->trouble(); }
-  DeviceProfile profile() const override { return traits_.profile; }
-  bool livesInScene() const override { return traits_.lives_in_scene; }
-  bool hasButtons() const override { return traits_.has_buttons; }
+  std::string askForRealTime() override {
+    return giveRealTime(thread(), "device", device_priority);
+  }
 
  protected:
-  DeviceTraits traits_;  ///< constant after construction
+  virtual pthread_t thread() = 0;  ///< the device's thread
   /// Shared with the device's thread, which may hang and then outlive this object.
   const std::shared_ptr<DeviceExchange> exchange_ = std::make_shared<DeviceExchange>();
 };

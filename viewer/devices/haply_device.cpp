@@ -7,7 +7,6 @@
 
 #include "common/base/error.hpp"
 #include "viewer/devices/haply_message.hpp"
-#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -112,17 +111,13 @@ void letGo(Connection& connection, const std::string& id) {
 
 HaplyDevice::HaplyDevice(HaplyDeviceOptions options)
     : options_(std::move(options)), place_(fmt::format("ws://127.0.0.1:{}", options_.port)) {
-  traits_.profile = inverse3_profile;
+  traits_ = {.profile = inverse3_profile, .has_buttons = true};
   exchange_->setTrouble("connecting to " + place_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 std::string HaplyDevice::name() const {
   return options_.id.empty() ? "Haply Inverse3" : "Haply Inverse3 " + options_.id;
-}
-
-std::string HaplyDevice::askForRealTime() {
-  return giveRealTime(thread_.native_handle(), "device", device_priority);
 }
 
 void HaplyDevice::run(const std::stop_token& stop) {

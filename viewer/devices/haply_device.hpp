@@ -41,9 +41,9 @@ class HaplyDevice : public ThreadedDevice {
   explicit HaplyDevice(HaplyDeviceOptions options);
 
   std::string name() const override;
-  std::string askForRealTime() override;
 
  private:
+  pthread_t thread() override { return thread_.native_handle(); }
   void run(const std::stop_token& stop);
   void serve(const std::stop_token& stop);
 

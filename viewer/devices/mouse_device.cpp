@@ -14,8 +14,9 @@ constexpr double spring_rate = 1 / 0.015;
 }  // namespace
 
 MouseDevice::MouseDevice(double period, const DeviceProfile& profile)
-    : profile_(profile), period_(period), decay_(std::exp(-spring_rate * period)) {
+    : period_(period), decay_(std::exp(-spring_rate * period)) {
   PALPATE_ASSERT(period > 0 && std::isfinite(period), "the period of the mouse must be positive");
+  traits_ = {.profile = profile, .lives_in_scene = true};
 }
 
 DeviceReading MouseDevice::read() noexcept {

@@ -22,13 +22,10 @@ class MouseDevice : public HapticDevice {
   void write(const Eigen::Vector3d&) noexcept override {}
   void halt() noexcept override {}
   void resume() noexcept override {}
-  DeviceProfile profile() const override { return profile_; }
-  bool livesInScene() const override { return true; }
   std::string name() const override { return "mouse"; }
 
  private:
   TripleBuffer<MouseTarget> targets_;
-  DeviceProfile profile_;
   double period_, decay_;         ///< s; factor by which the distance to the target decays in one
                                   ///< period
   std::uint32_t appearance_ = 0;  ///< MouseTarget::appearance at the last reading

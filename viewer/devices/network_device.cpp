@@ -37,7 +37,7 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
       socket_(makeDeviceDealer(context_)),
       handshakes_(context_, socket_),
       max_force_(options_.fallback.max_force) {
-  traits_.profile = options_.fallback;
+  traits_ = {.profile = options_.fallback, .has_buttons = true};
   if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
   if (const std::string trouble = connectDealer(socket_, options_.endpoint); !trouble.empty())
     throw failure("{}: {}", options_.endpoint, trouble);
@@ -58,10 +58,6 @@ std::string NetworkDevice::name() const {
   const std::lock_guard lock(mutex_);
   return hello_ ? fmt::format("{} at {}", printable(hello_->name()), options_.endpoint)
                 : options_.endpoint;
-}
-
-std::string NetworkDevice::askForRealTime() {
-  return giveRealTime(thread_.native_handle(), "device", device_priority);
 }
 
 void NetworkDevice::run(const std::stop_token& stop) {

@@ -40,12 +40,12 @@ class NetworkDevice : public ThreadedDevice {
   explicit NetworkDevice(NetworkDeviceOptions options);
 
   std::string name() const override;
-  std::string askForRealTime() override;
 
  private:
   using Clock = DeviceExchange::Clock;
 
   // On the device's thread.
+  pthread_t thread() override { return thread_.native_handle(); }
   void run(const std::stop_token& stop);
   void turn();
   void handle(const wire::DeviceMessage& message);

@@ -10,7 +10,6 @@
 
 #include "common/base/error.hpp"
 #include "viewer/devices/palpate_device.h"
-#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -23,6 +22,10 @@ constexpr const char* entry_point = "palpate_device_plugin_v1";
 /// Largest number of devices that are listed, in case a plug-in never ends the enumeration.
 constexpr std::uint32_t most_devices = 64;
 
+std::string sentenceOf(const char* text) {
+  return text == nullptr || *text == '\0' ? "no reason was given" : text;
+}
+
 /// A plug-in that has been loaded and checked.
 class Plugin {
  public:
@@ -32,11 +35,12 @@ class Plugin {
     const std::string path = std::filesystem::absolute(file).string();
     library_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
     if (!library_)
-      throw badInput("device plug-in {} cannot be loaded: {}", file.string(), lastDlError());
+      throw badInput("device plug-in {} cannot be loaded: {}", file.string(),
+                     sentenceOf(dlerror()));
     void* const symbol = dlsym(library_.get(), entry_point);
     if (symbol == nullptr)
       throw badInput("{} is not a device plug-in of this version: {}", file.string(),
-                     lastDlError());
+                     sentenceOf(dlerror()));
     table_ = reinterpret_cast<palpate_device_plugin_function>(symbol)();
     check(file.string());
   }
@@ -46,11 +50,6 @@ class Plugin {
   struct Unload {
     void operator()(void* library) const { dlclose(library); }
   };
-
-  static std::string lastDlError() {
-    const char* const text = dlerror();
-    return text == nullptr ? "no reason was given" : text;
-  }
 
   void check(const std::string& file) const {
     if (table_ == nullptr)
@@ -74,10 +73,6 @@ class Plugin {
   std::unique_ptr<void, Unload> library_;
   const palpate_device_plugin* table_ = nullptr;
 };
-
-std::string sentenceOf(const char* text) {
-  return text == nullptr || *text == '\0' ? "no reason was given" : text;
-}
 
 /// Returns the ids of the devices that a plug-in finds, as text.
 std::string idsOf(const Plugin& plugin) {
@@ -215,8 +210,5 @@ PluginDevice::~PluginDevice() {
 
 void PluginDevice::halt() noexcept { session_->halt(); }
 std::string PluginDevice::name() const { return session_->name; }
-std::string PluginDevice::askForRealTime() {
-  return giveRealTime(thread_.native_handle(), "device", device_priority);
-}
 
 }  // namespace palpate

@@ -32,10 +32,10 @@ class PluginDevice : public ThreadedDevice {
 
   void halt() noexcept override;
   std::string name() const override;
-  std::string askForRealTime() override;
 
  private:
   class Session;
+  pthread_t thread() override { return thread_.native_handle(); }
   std::shared_ptr<Session> session_;  ///< shared with the plug-in's thread, which may outlive this
                                       ///< object
   std::thread thread_;

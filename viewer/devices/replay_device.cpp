@@ -8,6 +8,7 @@ namespace palpate {
 
 ReplayDevice::ReplayDevice(Recording recording, double period, std::string source)
     : recording_(std::move(recording)), source_(std::move(source)) {
+  traits_ = {recording_.profile, recording_.scene_frame, true};
   if (recording_.readings.empty()) throw badInput("{}: the recording is empty", source_);
   if (std::abs(recording_.rate * period - 1) > 1e-6)
     throw badInput("{}: recorded at {} Hz; it cannot be replayed at {} Hz: use --rate {}", source_,

@@ -22,9 +22,6 @@ class ReplayDevice : public HapticDevice {
   void write(const Eigen::Vector3d&) noexcept override {}
   void halt() noexcept override {}
   void resume() noexcept override {}
-  DeviceProfile profile() const override { return recording_.profile; }
-  bool livesInScene() const override { return recording_.scene_frame; }
-  bool hasButtons() const override { return true; }
   std::string name() const override { return "replay of " + source_; }
   std::string trouble() const override;
 

@@ -11,7 +11,8 @@ constexpr int substeps = 4;  // substeps per period
 }  // namespace
 
 VirtualHand::VirtualHand(HandPath path, double period, const DeviceProfile& profile)
-    : path_(std::move(path)), period_(period), profile_(profile) {
+    : path_(std::move(path)), period_(period) {
+  traits_ = {profile, true, true};
   // Condition for the stability of semi-implicit Euler for a damped oscillator: h^2 k / m + 2 h b /
   // m < 4.
   const double h = period / substeps;

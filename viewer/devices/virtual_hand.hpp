@@ -39,9 +39,6 @@ class VirtualHand : public HapticDevice {
   void write(const Eigen::Vector3d& force) noexcept override;
   void halt() noexcept override { halted_ = true; }
   void resume() noexcept override { halted_ = false; }
-  DeviceProfile profile() const override { return profile_; }
-  bool livesInScene() const override { return true; }
-  bool hasButtons() const override { return true; }
   std::string name() const override { return "virtual hand"; }
 
   const HandPath& path() const { return path_; }
@@ -51,7 +48,6 @@ class VirtualHand : public HapticDevice {
 
   HandPath path_;
   double period_;
-  DeviceProfile profile_;
   std::atomic<bool> halted_ = false;
   std::uint64_t reads_ = 0;
   Eigen::Vector3d position_, velocity_ = Eigen::Vector3d::Zero(), force_ = Eigen::Vector3d::Zero();

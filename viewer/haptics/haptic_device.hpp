@@ -51,6 +51,12 @@ struct MouseTarget {
   std::uint32_t appearance = 0;
 };
 
+/// Properties that a device reports about itself.
+struct DeviceTraits {
+  DeviceProfile profile;
+  bool lives_in_scene = false, has_buttons = false;
+};
+
 /// A haptic device. It reads the position of the hand, and may push the hand.
 ///
 /// Frame: metres and newtons, right-handed, x to the right, y up, z toward the operator, origin in
@@ -79,11 +85,11 @@ class HapticDevice {
   virtual bool isMouse() const { return false; }
 
   /// Returns the device's limits of force, stiffness and workspace.
-  virtual DeviceProfile profile() const = 0;
+  virtual DeviceProfile profile() const { return traits_.profile; }
   /// Returns the number of readings after which the device is lost; 0: no end.
   virtual std::uint64_t readings() const { return 0; }
-  virtual bool livesInScene() const { return false; }
-  virtual bool hasButtons() const { return false; }
+  virtual bool livesInScene() const { return traits_.lives_in_scene; }
+  virtual bool hasButtons() const { return traits_.has_buttons; }
   virtual std::string name() const = 0;
   /// Requests real-time priority for the device's own threads, one below the priority of the loop.
   /// If the system refuses, returns the reasons as sentences; otherwise an empty string.
@@ -91,6 +97,9 @@ class HapticDevice {
   /// Returns a sentence for the user about the current problem ("no service at
   /// ws://localhost:10001: ..."); empty if there is no problem.
   virtual std::string trouble() const { return {}; }
+
+ protected:
+  DeviceTraits traits_;  ///< constant after construction
 };
 
 }  // namespace palpate
