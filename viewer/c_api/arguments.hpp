@@ -216,19 +216,20 @@ bool takeOptions(const char* function, const Struct* options, Struct& chosen) no
 
 /// Finds the element with a name. If there is none, records an error text that lists all names.
 template <class Elements, class NameOf>
-palpate_status findNamed(const char* function, const char* what, std::string_view name,
-                         const Elements& elements, NameOf nameOf, std::int32_t* number) noexcept {
-  const auto found = std::ranges::find(elements, name, nameOf);
+palpate_status findNamed(const char* function, const char* what, const char* name,
+                         const Elements& elements, NameOf nameOf, const char* result,
+                         std::int32_t* number) noexcept {
+  if (!isThere(function, "name", name) || !isThere(function, result, number))
+    return PALPATE_INVALID_ARGUMENT;
+  const auto found = std::ranges::find(elements, std::string_view(name), nameOf);
   if (found != elements.end()) {
     *number = static_cast<std::int32_t>(found - elements.begin());
     return PALPATE_OK;
   }
   // Only a failed search allocates, to keep successful ones cheap.
   std::string names;
-  const palpate_status status = withoutExceptions(function, [&] {
-    for (const auto& element : elements)
-      names += (names.empty() ? "" : ", ") + std::string(nameOf(element));
-  });
+  const palpate_status status = withoutExceptions(
+      function, [&] { names = fmt::format("{}", fmt::join(mapped(elements, nameOf), ", ")); });
   if (status != PALPATE_OK) return status;
   return fail(PALPATE_INVALID_ARGUMENT, "{}: unknown {} \"{}\"; known: {}", function, what, name,
               names);

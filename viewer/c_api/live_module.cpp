@@ -33,8 +33,10 @@ LiveLinkOptions linkOptions(const Problem& problem, const LiveRequest& request) 
 
 class LinkedService final : public LiveService {
  public:
-  explicit LinkedService(const LiveRequest& request)
-      : LinkedService(request, loadProblem(request.scene)) {}
+  LinkedService(const LiveRequest& request, const Problem& problem)
+      : build_(problemId(problem)), options_(linkOptions(problem, request)) {
+    if (request.guess) guess_.emplace(problem);
+  }
   std::string guess() const override { return guess_ ? guess_->file().string() : ""; }
   ContentId build() const override { return build_; }
   void start(LiveTouch& touch) override {
@@ -47,10 +49,6 @@ class LinkedService final : public LiveService {
   LiveStatistics statistics() const override { return link_->statistics(); }
 
  private:
-  LinkedService(const LiveRequest& request, const Problem& problem)
-      : build_(problemId(problem)), options_(linkOptions(problem, request)) {
-    if (request.guess) guess_.emplace(problem);
-  }
   ContentId build_;
   LiveLinkOptions options_;
   std::optional<GuessedDataset> guess_;
@@ -61,5 +59,5 @@ class LinkedService final : public LiveService {
 }  // namespace palpate
 
 extern "C" palpate::LiveService* openLiveService(const palpate::LiveRequest& request) {
-  return new palpate::LinkedService(request);
+  return new palpate::LinkedService(request, palpate::loadProblem(request.scene));
 }

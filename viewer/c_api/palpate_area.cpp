@@ -38,12 +38,9 @@ palpate_status palpate_dataset_area(const palpate_dataset* dataset, std::int32_t
 
 palpate_status palpate_dataset_find_area(const palpate_dataset* dataset, const char* name,
                                          std::int32_t* area) {
-  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
-      !isThere(__func__, "area", area))
-    return PALPATE_INVALID_ARGUMENT;
-  return findNamed(
-      __func__, "area", name, dataset->loaded->areas,
-      [](const palpate_area_info& info) { return info.name; }, area);
+  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
+  return findNamed(__func__, "area", name, dataset->loaded->areas, &palpate_area_info::name, "area",
+                   area);
 }
 
 palpate_status palpate_area_query(const palpate_dataset* dataset, std::int32_t area,

@@ -105,10 +105,9 @@ palpate_status palpate_contact_create(const palpate_dataset* dataset,
   if (!takeOptions(__func__, options, given) || !translate(__func__, given, *dataset, chosen))
     return PALPATE_INVALID_ARGUMENT;
   const std::shared_ptr<LiveScene> live = given.live != nullptr ? given.live->scene : nullptr;
-  if (live && live->in_use.exchange(true)) {
-    refuse("{}: another contact uses options->live; destroy it first", __func__);
-    return PALPATE_INVALID_ARGUMENT;
-  }
+  if (live && live->in_use.exchange(true))
+    return fail(PALPATE_INVALID_ARGUMENT,
+                "{}: another contact uses options->live; destroy it first", __func__);
   const palpate_status status = withoutExceptions(
       __func__, [&] { *contact = new palpate_contact(*dataset, chosen, given.method, live); });
   if (live && status != PALPATE_OK) live->in_use = false;

@@ -81,12 +81,9 @@ palpate_status palpate_dataset_space(const palpate_dataset* dataset, std::int32_
 
 palpate_status palpate_dataset_find_space(const palpate_dataset* dataset, const char* name,
                                           std::int32_t* space) {
-  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
-      !isThere(__func__, "space", space))
-    return PALPATE_INVALID_ARGUMENT;
-  return findNamed(
-      __func__, "active node", name, dataset->loaded->spaces,
-      [](const palpate_space_info& info) { return info.name; }, space);
+  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
+  return findNamed(__func__, "active node", name, dataset->loaded->spaces,
+                   &palpate_space_info::name, "space", space);
 }
 
 const char* palpate_dataset_method(const palpate_dataset* dataset, std::int32_t method) {
@@ -98,11 +95,9 @@ const char* palpate_dataset_method(const palpate_dataset* dataset, std::int32_t 
 
 palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const char* name,
                                            std::int32_t* method) {
-  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
-      !isThere(__func__, "method", method))
-    return PALPATE_INVALID_ARGUMENT;
+  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
   return findNamed(__func__, "prepared method", name, dataset->loaded->model.methods(),
-                   std::identity(), method);
+                   std::identity(), "method", method);
 }
 
 palpate_status palpate_dataset_vertices(const palpate_dataset* dataset, double* vertices,
@@ -159,11 +154,11 @@ palpate_status palpate_query_many(const palpate_dataset* dataset, std::int32_t s
     return PALPATE_INVALID_ARGUMENT;
   const palpate_answers wanted = taken(answers, palpate_answers{});
   if (wanted.drives != nullptr || wanted.places != nullptr || wanted.triangles != nullptr ||
-      wanted.distances != nullptr) {
-    refuse("{}: answers->drives, places, triangles and distances are for areas; set them to NULL",
-           __func__);
-    return PALPATE_INVALID_ARGUMENT;
-  }
+      wanted.distances != nullptr)
+    return fail(
+        PALPATE_INVALID_ARGUMENT,
+        "{}: answers->drives, places, triangles and distances are for areas; set them to NULL",
+        __func__);
   const ForceField& field = dataset->loaded->model.field(at(method), at(space));
   for (std::size_t n = 0; n < count; ++n)
     giveAnswer(wanted, n, sampleOf(field, displacements + 3 * n));

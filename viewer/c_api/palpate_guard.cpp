@@ -120,11 +120,9 @@ palpate_status palpate_guard_create(const palpate_guard_options* options, palpat
   if (!takeOptions(__func__, options, given)) return PALPATE_INVALID_ARGUMENT;
   if (std::isnan(given.max_slew)) given.max_slew = 0;
   if (!takeOver(__func__, given, chosen, limits)) return PALPATE_INVALID_ARGUMENT;
-  if (chosen.delay > most_delay * chosen.period) {
-    refuse("{}: options->delay is {}; it must be at most {} periods", __func__, chosen.delay,
-           most_delay);
-    return PALPATE_INVALID_ARGUMENT;
-  }
+  if (chosen.delay > most_delay * chosen.period)
+    return fail(PALPATE_INVALID_ARGUMENT, "{}: options->delay is {}; it must be at most {} periods",
+                __func__, chosen.delay, most_delay);
   return withoutExceptions(__func__, [&] { *guard = new palpate_guard{ForceGuard(chosen)}; });
 }
 
