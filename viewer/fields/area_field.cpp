@@ -79,9 +79,9 @@ std::vector<std::size_t> withinReach(const NearPoints& points, const Eigen::Vect
 /// Interpolates the quantities at a place from its nearest sites.
 class Interpolation {
  public:
-  Interpolation(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& place,
-                std::size_t count, std::size_t except, double width)
-      : from(nearestOf(sites, place, count, except)) {
+  Interpolation(const std::vector<Eigen::Vector3d>& sites, std::vector<std::size_t> used,
+                const Eigen::Vector3d& place, double width)
+      : from(std::move(used)) {
     const auto center = [&](std::size_t site) { return sites[site]; };
     weights_ = hermiteWeights(place, mapped(from, center), width);
   }
@@ -230,7 +230,7 @@ void AreaField::prepareAll(const std::function<void(double)>& progress) {
 }
 
 void AreaField::prepareAt(const Eigen::Vector3d& s) {
-  prepare(collocationPointsAt(s), sitesAt(s), [](std::size_t) {});
+  prepare(withinReach(collocation_points_, s), sitesAt(s), [](std::size_t) {});
 }
 
 void AreaField::prepare(const std::vector<std::size_t>& collocation_points,
@@ -288,7 +288,7 @@ bool AreaField::makeOneOf(const std::vector<std::size_t>& sites) {
 }
 
 bool AreaField::prepareNext(const Eigen::Vector3d& s) {
-  for (const std::size_t collocation_point : collocationPointsAt(s)) {
+  for (const std::size_t collocation_point : withinReach(collocation_points_, s)) {
     if (isInterpolated(collocation_point)) continue;
     if (makeOneOf(sitesOfCollocationPoint(collocation_point))) return true;
     beginCollocationPoint(collocation_point);
@@ -306,11 +306,8 @@ bool AreaField::prepareNext(const Eigen::Vector3d& s) {
 }
 
 bool AreaField::prepareSite(const Eigen::Vector3d& s) {
-  if (made_count_ == siteCount()) return false;
-  std::vector<std::size_t> nearest = countUp<std::size_t>(siteCount());
-  std::ranges::stable_sort(nearest, {},
-                           [&](std::size_t site) { return (siteCenter(site) - s).squaredNorm(); });
-  return makeOneOf(nearest);
+  return made_count_ < siteCount() &&
+         makeOneOf(nearestOf(sites_.points(), s, siteCount(), siteCount()));
 }
 
 std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
@@ -324,10 +321,6 @@ std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeC
     trees_.emplace_back(table);
   }
   return known->second;
-}
-
-std::vector<std::size_t> AreaField::collocationPointsAt(const Eigen::Vector3d& s) const {
-  return withinReach(collocation_points_, s);
 }
 
 std::vector<std::size_t> AreaField::sitesAt(const Eigen::Vector3d& s) const {
@@ -367,9 +360,9 @@ void AreaField::interpolateTo(std::size_t collocation_point) {
   const CellTree& tree = trees_[at_collocation_points_[collocation_point].tree];
   std::vector<SiteJet>& jets = at_collocation_points_[collocation_point].jets;
   jets.resize(tree.slots().size());
-  const Interpolation interpolation(
-      sites_.points(), collocation_points_.points()[collocation_point], sites_of_collocation_point,
-      siteCount(), kernel_width * finger_);
+  const Interpolation interpolation(sites_.points(), sitesOfCollocationPoint(collocation_point),
+                                    collocation_points_.points()[collocation_point],
+                                    kernel_width * finger_);
   at_collocation_points_[collocation_point].power = interpolation.power();
   for (std::size_t slot = 0; slot < jets.size(); ++slot)
     if (tree.slots()[slot].kind != SlotKind::hanging)
@@ -392,7 +385,7 @@ void AreaField::judge(std::size_t site) {
   for (std::size_t slot = 0; slot < own.jets.size(); ++slot)
     doubts.push_back({std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
   if (siteCount() == 1) return;
-  const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
+  const Interpolation others(sites_.points(), sitesOfJudgement(site), siteCenter(site),
                              kernel_width * finger_);
   const CellTree& tree = own.tree;
   const auto share = static_cast<float>(share_of_lack / std::sqrt(others.power()));

@@ -151,7 +151,6 @@ class AreaField {
   /// leaves coincide, so their polynomials can be added.
   struct LevelSum;
 
-  std::vector<std::size_t> collocationPointsAt(const Eigen::Vector3d& s) const;
   // Indices of the sites from which a collocation point or a judgement is computed.
   std::vector<std::size_t> sitesOfCollocationPoint(std::size_t collocation_point) const;
   std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
