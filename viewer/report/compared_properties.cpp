@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
 #include "common/scene/material_toml.hpp"
 #include "viewer/report/report_words.hpp"
@@ -33,9 +34,7 @@ std::string describeGravity(const Dataset& dataset) {
 }
 
 std::string describeForce(const Dataset& dataset) {
-  double force = 0;
-  for (const SpaceTable& space : dataset.spaces()) force = std::max(force, largestForce(space));
-  return formatNumber(force, 3) + " N";
+  return formatNumber(std::ranges::max(mapped(dataset.spaces(), largestForce)), 3) + " N";
 }
 
 std::string materialOf(const Dataset& dataset, const std::string& group) {

@@ -20,9 +20,7 @@ constexpr std::size_t most_differences = 400;
 constexpr int distance_samples = 24;  ///< distances from rest to the sphere
 
 /// Spaces of the same active node in the two datasets.
-struct SpacePair {
-  const SpaceTable *first, *second;
-};
+using SpacePair = std::array<const SpaceTable*, 2>;
 
 Eigen::Vector3d restPlace(const Dataset& dataset, const SpaceTable& space) {
   return space.patch.finger ? space.patch.finger->center
@@ -60,15 +58,13 @@ using BothFields = std::array<std::unique_ptr<ForceField>, 2>;
 
 BothFields bothFields(const Comparison& comparison, const SpacePair& pair) {
   BothFields fields;
-  const std::array<const SpaceTable*, 2> spaces = {pair.first, pair.second};
   for (std::size_t s = 0; s < 2; ++s) {
-    MadeField made = tryToMake(comparison.method, *spaces[s]);
+    MadeField made = tryToMake(comparison.method, *pair[s]);
     if (!made.field)
       throw badInput(
           "{} of {} cannot be compared with method {}: {}. Build it again, or choose another "
           "method with --methods",
-          spaces[s]->patch.name, comparison.open[s].file().string(), comparison.method,
-          made.problem);
+          pair[s]->patch.name, comparison.open[s].file().string(), comparison.method, made.problem);
     fields[s] = std::move(made.field);
   }
   return fields;
@@ -139,32 +135,30 @@ void compareOverDistance(const BothFields& fields, double radius, ComparedPlace&
 }
 
 double commonRadius(const SpacePair& pair) {
-  return std::min(pair.first->lattice.radius(), pair.second->lattice.radius());
+  return std::min(pair[0]->lattice.radius(), pair[1]->lattice.radius());
 }
 
 PlaceDifference differenceAt(const Comparison& comparison, const SpacePair& pair) {
   ComparedPlace place;
   compareOverBall(comparison, bothFields(comparison, pair), commonRadius(pair), place);
-  return {pair.first->patch.name, restPlace(comparison.open[0], *pair.first), place.relative};
+  return {pair[0]->patch.name, restPlace(comparison.open[0], *pair[0]), place.relative};
 }
 
 ComparedPlace comparePlace(const Comparison& comparison, const SpacePair& pair) {
   const BothFields fields = bothFields(comparison, pair);
-  const std::array<const SpaceTable*, 2> spaces = {pair.first, pair.second};
   const double radius = commonRadius(pair);
   ComparedPlace place;
-  place.name = pair.first->patch.name;
+  place.name = pair[0]->patch.name;
   place.apart =
-      (restPlace(comparison.open[0], *pair.first) - restPlace(comparison.open[1], *pair.second))
-          .norm();
+      (restPlace(comparison.open[0], *pair[0]) - restPlace(comparison.open[1], *pair[1])).norm();
   compareOverBall(comparison, fields, radius, place);
   compareOverDistance(fields, radius, place);
   for (int axis = 0; axis < 3; ++axis)
     for (std::size_t s = 0; s < 2; ++s) {
       ForceWay& way = place.axes[static_cast<std::size_t>(axis)][s];
       way.direction = Eigen::Vector3d::Unit(axis);
-      way.solved = solvedOnWay(*spaces[s], way.direction, true);
-      const double own = spaces[s]->lattice.radius() * (1 - 1e-9);
+      way.solved = solvedOnWay(*pair[s], way.direction, true);
+      const double own = pair[s]->lattice.radius() * (1 - 1e-9);
       way.sampled.push_back(
           sampledOnWay([&](const Eigen::Vector3d& p) { return answerOf(*fields[s], p); },
                        way.direction, -own, own));
@@ -177,8 +171,7 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
   const Dataset &first = comparison.open[0], &second = comparison.open[1];
   std::vector<std::string> limits;
   if (std::ranges::find(comparison.differences, "mesh") != comparison.differences.end()) {
-    double apart = 0;
-    for (const ComparedPlace& place : comparison.places) apart = std::max(apart, place.apart);
+    const double apart = std::ranges::max(mapped(comparison.places, &ComparedPlace::apart));
     limits.push_back(fmt::format(
         "The meshes differ. Active nodes of the same name are compared, although they lie up to "
         "{:.3g} mm apart at rest. Their differences come from shape, elements and material. To "

@@ -50,11 +50,6 @@ struct Study {
   const AccuracyTarget& target;
   const HeldOut& held_out;
   std::vector<std::size_t> compared;  ///< indices of active nodes
-
-  std::size_t spaces() const { return open.front().spaces().size(); }
-  std::shared_ptr<const SpaceTable> table(const ComparedLattice& lattice, std::size_t space) const {
-    return tableOf(open, lattice, space);
-  }
 };
 
 using NodeComparison = std::vector<MethodComparison>;        ///< per method
@@ -67,7 +62,7 @@ LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   // The sums are integers, so they are exact in doubles.
   for (const std::size_t s : study.compared) {
     std::int64_t& configurations = measures.node_configurations.emplace_back(0);
-    const std::shared_ptr<const SpaceTable> of_node = study.table(measures, s);
+    const std::shared_ptr<const SpaceTable> of_node = tableOf(study.open, measures, s);
     for (const PointRecord& point : of_node->points) {
       if (!isSolved(point.tag)) continue;
       ++configurations;
@@ -94,11 +89,10 @@ std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattic
 /// Measures the times of the methods one after the other, while nothing else runs.
 std::vector<MethodMeasures> timed(const Study& study, const ComparedLattice& lattice) {
   // One node is enough, because all nodes are alike. Preparing takes seconds for some methods.
-  const auto first = study.table(lattice, study.compared.front());
-  std::vector<MethodMeasures> measures;
-  for (const std::string& method : study.methods)
-    measures.push_back({timeMethod(*first, method, study.options.seconds_per_timing)});
-  return measures;
+  const auto first = tableOf(study.open, lattice, study.compared.front());
+  return mapped(study.methods, [&](const std::string& method) {
+    return MethodMeasures{timeMethod(*first, method, study.options.seconds_per_timing)};
+  });
 }
 
 /// Returns the results per compared node.
@@ -111,7 +105,7 @@ std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& 
   inParallel(nodes.size(), [&](std::size_t n) {
     const std::size_t space = study.compared[n];
     nodes[n] = compareMethods(
-        *study.table(lattice, space), study.methods,
+        *tableOf(study.open, lattice, space), study.methods,
         is_measurable ? study.held_out.of_space[space] : std::vector<HeldOutSolution>(),
         n < study.options.looped_nodes);
   });
@@ -185,8 +179,9 @@ void measureOthers(const Study& study, const LatticeMeasures& measured,
   spdlog::info("{}: measuring {} on the other active nodes", measured.label, study.methods.front());
   inParallel(nodes.size(), [&](std::size_t s) {
     if (nodes[s].compared) return;
-    const NodeComparison result = compareMethods(*study.table(measured, s), {study.methods.front()},
-                                                 study.held_out.of_space[s], false);
+    const NodeComparison result =
+        compareMethods(*tableOf(study.open, measured, s), {study.methods.front()},
+                       study.held_out.of_space[s], false);
     nodes[s].methods.front() = measureErrors(result.front().comparisons, study.target);
   });
 }
@@ -194,7 +189,7 @@ void measureOthers(const Study& study, const LatticeMeasures& measured,
 void measureBounds(const Study& study, const LatticeMeasures& shown,
                    std::vector<NodeMeasures>& nodes) {
   inParallel(nodes.size(), [&](std::size_t s) {
-    const auto table = study.table(shown, s);
+    const auto table = tableOf(study.open, shown, s);
     if (const auto field = tryToMake(study.methods.front(), *table).field)
       nodes[s].bound = sampleBounds(*field, table->lattice.radius());
   });
@@ -205,7 +200,7 @@ std::vector<NodePictures> picturesOf(const Study& study, const LatticeMeasures& 
   std::vector<NodePictures> pictures(std::min(worst.size(), study.options.pictured_nodes));
   inParallel(pictures.size(), [&](std::size_t n) {
     const std::size_t node = worst[n];
-    pictures[n] = sampleNode(*study.table(shown, node), study.open.front().spaces()[node],
+    pictures[n] = sampleNode(*tableOf(study.open, shown, node), study.open.front().spaces()[node],
                              study.methods, study.held_out.of_space[node]);
     pictures[n].node = node;
   });
@@ -253,7 +248,7 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
       evenly(report.open.front().spaces().size(), report.areas_alone ? 1 : options.compared_nodes)};
   PALPATE_ASSERT(!study.compared.empty() && !study.methods.empty(),
                  "a report needs an active node and a method");
-  PALPATE_ASSERT(study.held_out.of_space.size() == study.spaces(),
+  PALPATE_ASSERT(study.held_out.of_space.size() == report.open.front().spaces().size(),
                  "each active node must have its held-out solutions");
   report.compared = study.compared.size();
 
@@ -272,10 +267,9 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
       pool(study, nodes, m, lattice.methods[m]);
     if (!study.held_out.measures(lattice)) continue;
     NodeErrors of_nodes = errorsOf(study, nodes);
-    for (const std::vector<ErrorMeasures>& methods : of_nodes) {
-      std::vector<double>& means = lattice.node_errors.emplace_back();
-      for (const ErrorMeasures& method : methods) means.push_back(method.error.mean);
-    }
+    for (const std::vector<ErrorMeasures>& methods : of_nodes)
+      lattice.node_errors.push_back(
+          mapped(methods, [](const ErrorMeasures& method) { return method.error.mean; }));
     if (report.measured != n) continue;
     errors = std::move(of_nodes);
     if (!report.areas_alone) report.shells = shellsOf(study, nodes);
