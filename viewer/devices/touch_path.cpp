@@ -116,12 +116,9 @@ std::vector<Stroke> strokesOf(const HapticModel& model) {
   PALPATE_ASSERT(model.isPrepared(0), "a path needs forces, which limit its depth");
   std::vector<Stroke> strokes;
   const TouchSurface& surface = model.surface();
-  std::vector<bool> in_area(model.spaces().size());
-  for (const TouchArea& area : surface.areas())
-    for (const std::size_t space : area.spaces) in_area[space] = true;
   for (std::size_t s = 0; s < model.spaces().size(); ++s) {
     const std::int32_t vertex = surface.activeVertex(s);
-    if (vertex < 0 || in_area[s]) continue;
+    if (vertex < 0 || surface.areaOfSpace(s) >= 0) continue;
     strokes.push_back(
         {siteAt(model, s, surface.vertices()[at(vertex)], surface.vertexNormals()[at(vertex)],
                 circle_share * model.spaces()[s].lattice.radius())});

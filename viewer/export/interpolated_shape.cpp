@@ -56,7 +56,7 @@ std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
   const SpaceBlend blend = surface_->blendAt(nearestOnSurface(dataset_.mesh(), *place));
   std::vector<std::pair<std::size_t, double>> spaces;
   double sum = 0;
-  for (const SpaceWeight& share : std::span(blend.shares).first(palpate::at(blend.size))) {
+  for (const SpaceWeight& share : blend.used()) {
     if (std::ranges::find(choice_.spaces, palpate::at(share.space)) == choice_.spaces.end())
       continue;
     spaces.emplace_back(palpate::at(share.space), share.weight);

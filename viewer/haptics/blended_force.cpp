@@ -28,9 +28,8 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
   sum_ = {};
   sum_.energy = sum_.error_bound = 0;
   sum_.inside = true;
-  for (std::size_t n = 0; n < static_cast<std::size_t>(blend_.size); ++n) {
-    const double weight = blend_.shares[n].weight;
-    const ForceSample* const sample = sampleOf(blend_.shares[n].space);
+  for (const auto& [space, weight] : blend_.used()) {
+    const ForceSample* const sample = sampleOf(space);
     if (sample == nullptr) continue;  // impossible: a triangle has fewer spaces than most_samples
     sum_.force += weight * sample->force;
     sum_.stiffness += weight * sample->stiffness;

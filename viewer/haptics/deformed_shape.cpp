@@ -37,9 +37,9 @@ void DeformedShape::blend(const HapticModel& model, const Touch& touch,
                           std::span<float> out) noexcept {
   const std::span<float> one = std::span(scratch_).first(std::min(out.size(), scratch_.size()));
   const Eigen::Vector3d displacement = touch.displacement - touch.excess();
-  for (std::size_t n = 0; n < at(touch.blend.size); ++n) {
-    const auto weight = static_cast<float>(touch.blend.shares[n].weight);
-    model.shape(at(touch.blend.shares[n].space)).evaluate(displacement, one);
+  for (const SpaceWeight& share : touch.blend.used()) {
+    const auto weight = static_cast<float>(share.weight);
+    model.shape(at(share.space)).evaluate(displacement, one);
     for (std::size_t i = 0; i < one.size(); ++i) out[i] += weight * one[i];
   }
 }

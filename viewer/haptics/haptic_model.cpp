@@ -24,31 +24,21 @@ double radiusOf(const ActivePatch& patch, const Mesh& mesh) {
 }  // namespace
 
 HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& options)
-    : name_(dataset.scene().name),
+    : scene_(dataset.scene()),
       file_(dataset.file().string()),
-      regions_(dataset.scene().regions),
       content_(dataset.contentId()),
       build_(dataset.buildId()),
-      contact_(dataset.scene().contact),
-      max_force_(dataset.scene().workspace.max_force),
       surface_(dataset, options.reach),
       spaces_(dataset.spaces()),
-      area_of_space_(spaces_.size(), -1),
       methods_(options.methods),
       fields_(options.methods.size()),
-      pressures_(dataset.scene(), options.pressures ? spaces_.size() : 0) {
+      pressures_(scene_, options.pressures ? spaces_.size() : 0) {
   PALPATE_ASSERT(!spaces_.empty(), "a dataset must have an active node");
   if (methods_.empty()) throw badInput("{}: no interpolation method was given", file_);
   for (const SpaceTable& space : spaces_)
     tool_radii_.push_back(radiusOf(space.patch, dataset.mesh()));
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
-  const std::vector<TouchArea>& areas = surface_.areas();
-  for (std::size_t a = 0; a < areas.size(); ++a)
-    for (const std::size_t space : areas[a].spaces) {
-      PALPATE_ASSERT(area_of_space_[space] < 0, "a site must belong to only one area");
-      area_of_space_[space] = static_cast<std::int32_t>(a);
-    }
-  for (const TouchArea& area : areas)
+  for (const TouchArea& area : surface_.areas())
     places_.push_back(
         placesAround(dataset.mesh(), centersOf(chosenOf(spaces_, area.spaces)), area.radius));
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
@@ -118,7 +108,7 @@ void HapticModel::prepare(std::size_t method, const std::stop_token& stop, bool 
 void HapticModel::make(std::size_t method, std::size_t space) {
   MethodFields& fields = fields_[method];
   if (fields.of_space[space]) return;
-  if (const std::int32_t area = area_of_space_[space]; area >= 0)
+  if (const std::int32_t area = surface_.areaOfSpace(space); area >= 0)
     fields.of_space[space] = std::make_unique<FieldAtPlace>(
         areas_[at(area)], spaces_[space].patch.finger.value().center);
   else

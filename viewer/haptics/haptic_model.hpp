@@ -64,13 +64,17 @@ class HapticModel {
   /// requested. Takes a few milliseconds per space. Do not call it in two threads at the same time.
   void preparePressures(const std::stop_token& stop = {});
 
-  const std::string& name() const { return name_; }                ///< name of the scene
-  const std::vector<Region>& regions() const { return regions_; }  ///< materials, at least one
+  const std::string& name() const { return scene_.name; }  ///< name of the scene
+  const std::vector<Region>& regions() const {
+    return scene_.regions;
+  }  ///< materials, at least one
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
-  ContentId buildId() const { return build_; }          ///< Dataset::buildId
-  ContactMode contactMode() const { return contact_; }  ///< mode that the scene requests
-  double maxForce() const { return max_force_; }        ///< N; the force limit of the scene
+  ContentId buildId() const { return build_; }                ///< Dataset::buildId
+  ContactMode contactMode() const { return scene_.contact; }  ///< mode that the scene requests
+  double maxForce() const {
+    return scene_.workspace.max_force;
+  }  ///< N; the force limit of the scene
   /// Returns the radius of the tool of a space, m: the radius of the finger or of the patch around
   /// the active node; 0 for a single node.
   double toolRadius(std::size_t space) const { return tool_radii_[space]; }
@@ -100,11 +104,9 @@ class HapticModel {
   bool makeAreas(const std::stop_token& stop);  ///< returns whether they are complete
   void readShapes(const Dataset& dataset, bool with_pressures, const std::stop_token& stop);
 
-  std::string name_, file_;
-  std::vector<Region> regions_;
+  Scene scene_;
+  std::string file_;
   ContentId content_, build_;
-  ContactMode contact_;
-  double max_force_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
   std::vector<double> tool_radii_;  ///< m, [space]
@@ -115,7 +117,6 @@ class HapticModel {
   std::atomic<double> areas_share_ = 0;                  ///< progress of the work on all areas, 0
                                                          ///< to 1
   std::vector<std::shared_ptr<const AreaField>> areas_;  ///< in the order of surface_.areas()
-  std::vector<std::int32_t> area_of_space_;              ///< -1: none
   std::vector<std::string> methods_;
   std::vector<MethodFields> fields_;
   std::vector<std::unique_ptr<DisplacementField>> shapes_;  ///< [space]

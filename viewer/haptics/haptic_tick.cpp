@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
@@ -36,12 +37,6 @@ Eigen::Matrix3Xd touchableVertices(const TouchSurface& surface) {
                                             static_cast<Eigen::Index>(found.size()));
 }
 
-double largestDisplacement(const std::vector<SpaceTable>& spaces) {
-  double largest = 0;
-  for (const SpaceTable& space : spaces) largest = std::max(largest, space.lattice.radius());
-  return largest;
-}
-
 }  // namespace
 
 WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
@@ -52,7 +47,9 @@ WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
   if (device.livesInScene() || !(radius > 0) || vertices.cols() == 0) return map;
   map.origin = 0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
   const double extent = (vertices.colwise() - map.origin).colwise().norm().maxCoeff();
-  map.scale = std::max(1.0, (extent + largestDisplacement(model.spaces())) / radius);
+  const double largest_displacement = std::ranges::max(
+      mapped(model.spaces(), [](const SpaceTable& space) { return space.lattice.radius(); }));
+  map.scale = std::max(1.0, (extent + largest_displacement) / radius);
   return map;
 }
 

@@ -87,17 +87,12 @@ std::string jsonOf(const std::vector<std::string>& texts) {
 }
 
 void writeRun(Writer& out, const RecordedRun& run) {
-  std::vector<std::string> names, files, ids;
-  for (const RecordedModel& model : run.models) {
-    names.push_back(model.name);
-    files.push_back(model.file);
-    ids.push_back(model.dataset.hex());
-  }
+  const auto idOf = [](const RecordedModel& model) { return model.dataset.hex(); };
   const auto& [period, contact, guard, map] = run.options;
   out.setText("/", "format", format_word);
-  out.setText("/", "datasets", jsonOf(files));
-  out.setText("/", "content_ids", jsonOf(ids));
-  out.setText("/", "models", jsonOf(names));
+  out.setText("/", "datasets", jsonOf(mapped(run.models, &RecordedModel::file)));
+  out.setText("/", "content_ids", jsonOf(mapped(run.models, idOf)));
+  out.setText("/", "models", jsonOf(mapped(run.models, &RecordedModel::name)));
   out.setText("/", "methods", jsonOf(run.methods));
   out.setText("/", "device", run.device);
   out.setText("/", "profile", run.profile.name);

@@ -86,8 +86,8 @@ void SurfacePressures::evaluate(const SpaceBlend& blend, const Eigen::Vector3d& 
   std::ranges::fill(out, 0.0F);
   // At rest any space will do, because all spaces of a body have the same state at rest.
   if (blend.size == 0) fields_.front()->add(Eigen::Vector3d::Zero(), 1, out);
-  for (std::size_t n = 0; n < at(blend.size); ++n)
-    fields_[at(blend.shares[n].space)]->add(displacement, blend.shares[n].weight, out);
+  for (const auto& [space, weight] : blend.used())
+    fields_[at(space)]->add(displacement, weight, out);
   for (std::size_t v = 0; v < out.size(); ++v)
     if (known_[v] == 0) out[v] = std::numeric_limits<float>::quiet_NaN();
 }

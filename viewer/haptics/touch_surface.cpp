@@ -71,9 +71,12 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   setNeighbors();
 
   areas_ = touchAreas(dataset.scene(), dataset.spaces());
-  std::vector<bool> in_area(dataset.spaces().size());
-  for (const TouchArea& area : areas_)
-    for (const std::size_t space : area.spaces) in_area[space] = true;
+  area_of_space_.assign(dataset.spaces().size(), -1);
+  for (std::size_t a = 0; a < areas_.size(); ++a)
+    for (const std::size_t space : areas_[a].spaces) {
+      PALPATE_ASSERT(area_of_space_[space] < 0, "a site must belong to only one area");
+      area_of_space_[space] = static_cast<std::int32_t>(a);
+    }
   std::vector<ActivePatch> patches;
   for (const SpaceTable& space : dataset.spaces()) {
     ActivePatch patch = space.patch;
@@ -83,7 +86,7 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
                                   // middle of an edge
     active_vertices_.push_back(patch.node);
     // A site belongs to its area, and has no patch of its own.
-    if (in_area[patches.size()]) patch.node = -1;
+    if (areaOfSpace(patches.size()) >= 0) patch.node = -1;
     patches.push_back(patch);
   }
   if (!(std::isfinite(reach) && reach >= 0))

@@ -37,6 +37,7 @@ struct CornerShares {
 struct SpaceBlend {
   std::array<SpaceWeight, most_blended_spaces> shares;
   std::int32_t size = 0;
+  std::span<const SpaceWeight> used() const noexcept { return std::span(shares).first(at(size)); }
 };
 
 /// Sites of a finger that share one energy over a part of the surface (AreaField).
@@ -86,6 +87,8 @@ class TouchSurface {
   }
   /// Returns the weights of one vertex; empty if the vertex has no weights.
   std::span<const SpaceWeight> sharesOf(std::int32_t vertex) const { return shares_[at(vertex)]; }
+  /// Returns the area that has a space as a site, as an index into areas(); -1: none.
+  std::int32_t areaOfSpace(std::size_t space) const { return area_of_space_[space]; }
   /// Returns the vertex at the active node of a space; -1 if that node is not a vertex of the
   /// surface.
   std::int32_t activeVertex(std::size_t space) const { return active_vertices_[space]; }
@@ -144,6 +147,7 @@ class TouchSurface {
   std::vector<std::int32_t> area_of_;  ///< per triangle
   /// Per vertex, like area_of_. A vertex in an area has weights for the sites of the area only.
   std::vector<std::int32_t> area_of_vertex_;
+  std::vector<std::int32_t> area_of_space_;
   std::vector<std::int32_t> active_vertices_;             ///< per space
   std::vector<double> longest_edges_;                     ///< per vertex
   std::vector<std::vector<SpaceWeight>> shares_;          ///< per vertex

@@ -1,6 +1,8 @@
 #include "viewer/picture/lattice_view.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
@@ -31,12 +33,9 @@ void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3
 void LatticeView::show(const BodyView& body, const HapticState& state, const ViewChoices& choices) {
   if (state.model != model_) space_ = 0;
   model_ = state.model;
-  double most = 0;
-  for (std::int32_t n = 0; state.touch.touching && n < state.touch.blend.size; ++n) {
-    const SpaceWeight& share = state.touch.blend.shares[at(n)];
-    if (share.weight > most) space_ = share.space;
-    most = std::max(most, share.weight);
-  }
+  const std::span<const SpaceWeight> shares = state.touch.blend.used();
+  if (state.touch.touching && !shares.empty())
+    space_ = std::ranges::max_element(shares, {}, &SpaceWeight::weight)->space;
   PALPATE_ASSERT(at(space_) < body.model().spaces().size(), "the touch must be on the shown model");
   show(choices.lattice);
   if (!choices.lattice) return;

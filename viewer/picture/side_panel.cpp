@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "viewer/picture/panel_style.hpp"
 
@@ -161,12 +162,11 @@ void touchNumbers(const PanelContents& contents) {
 }
 
 void spaceShares(const PanelContents& contents) {
-  const SpaceBlend& blend = contents.state.touch.blend;
-  for (std::int32_t n = 0; n < blend.size; ++n) {
-    const SpaceWeight& share = blend.shares[static_cast<std::size_t>(n)];
+  const std::span<const SpaceWeight> shares = contents.state.touch.blend.used();
+  for (const SpaceWeight& share : shares) {
     const auto space = static_cast<std::size_t>(share.space);
     if (share.weight <= smallest_weight || space >= contents.spaces.size()) continue;
-    row(n == 0 ? "spaces" : "", fmt::format("{:.0f} %", 100 * share.weight));
+    row(&share == shares.data() ? "spaces" : "", fmt::format("{:.0f} %", 100 * share.weight));
     ImGui::SameLine(px(value_column + share_width));
     ImGui::TextUnformatted(contents.spaces[space].c_str());
   }
