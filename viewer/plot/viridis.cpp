@@ -12,14 +12,17 @@ constexpr std::array<int, 11> stops = {0x440154, 0x482475, 0x414487, 0x355f8d, 0
 
 }  // namespace
 
-std::array<double, 3> viridis(double place) {
+std::array<double, 3> colourAmong(std::span<const int> colours, double place) {
   // The comparison is false for NaN.
-  const double at = place > 0 ? std::min(place, 1.0) * (stops.size() - 1) : 0;
-  const std::size_t below = std::min<std::size_t>(at, stops.size() - 2);
+  const double at = place > 0 ? std::min(place, 1.0) * (colours.size() - 1) : 0;
+  const std::size_t below = std::min<std::size_t>(at, colours.size() - 2);
   const auto channel = [&](int shift) {
-    return std::lerp(stops[below] >> shift & 0xff, stops[below + 1] >> shift & 0xff, at - below);
+    return std::lerp(colours[below] >> shift & 0xff, colours[below + 1] >> shift & 0xff,
+                     at - below);
   };
   return {channel(16), channel(8), channel(0)};
 }
+
+std::array<double, 3> viridis(double place) { return colourAmong(stops, place); }
 
 }  // namespace palpate
