@@ -162,15 +162,15 @@ struct Picture::Impl {
     return longest_arrow * inUse().sphere().radius / full_force * force;
   }
 
-  ViewLabel labelOf(const HapticState& state, const Eigen::Vector3d& force, std::string text,
-                    bool uncertain) const {
+  ViewLabel labelOf(const HapticState& state, const Eigen::Vector3d& force,
+                    const Touch& touch) const {
     return {.from = state.shownTool(),
             .at = state.shownTool() + arrowOf(force),
             .tool = shot.tool.axis(),
             .tip_radius = shot.tool.radius(),
             .handle_radius = shot.tool.handleRadius(),
-            .text = std::move(text),
-            .uncertain = uncertain};
+            .text = forceText(force, touch),
+            .uncertain = isUncertain(touch)};
   }
 
   BesideContents besideContents(const HapticState& state) const {
@@ -184,7 +184,7 @@ struct Picture::Impl {
     }
     const Touch& touch = *beside->touch;
     all.force = touch.force.norm();
-    all.label = labelOf(state, touch.force, tissueForceText(touch), isUncertain(touch));
+    all.label = labelOf(state, touch.force, touch);
     return all;
   }
 
@@ -192,24 +192,23 @@ struct Picture::Impl {
     const HapticModel& now = inUse().model();
     PALPATE_ASSERT(at(lattice.space()) < now.spaces().size(), "the lattice must be of this model");
     const SpaceTable& table = now.spaces()[at(lattice.space())];
-    PanelContents all{
-        .state = state,
-        .status = status,
-        .history = history,
-        .lamps = lamps,
-        .camera = shot.camera,
-        .keys = window.keys(),
-        .dataset = now.name(),
-        .tissue = tissueText(now.regions()),
-        .middle = inUse().sphere().centre,
-        .full_colour = inUse().fullColour(),
-        .pressure = {inUse().fullPressure(), now.pressures().everywhere(),
-                     whyNoPressures(now.pressures())},
-        .untouchable = inUse().hasUntouchable(),
-        .lattice_radius = table.lattice.radius(),
-        .lattice_name = table.patch.name,
-        .label = labelOf(state, state.force, forceText(state), isUncertain(state.touch)),
-        .hand = control.marks()};
+    PanelContents all{.state = state,
+                      .status = status,
+                      .history = history,
+                      .lamps = lamps,
+                      .camera = shot.camera,
+                      .keys = window.keys(),
+                      .dataset = now.name(),
+                      .tissue = tissueText(now.regions()),
+                      .middle = inUse().sphere().centre,
+                      .full_colour = inUse().fullColour(),
+                      .pressure = {inUse().fullPressure(), now.pressures().everywhere(),
+                                   whyNoPressures(now.pressures())},
+                      .untouchable = inUse().hasUntouchable(),
+                      .lattice_radius = table.lattice.radius(),
+                      .lattice_name = table.patch.name,
+                      .label = labelOf(state, state.force, state.touch),
+                      .hand = control.marks()};
     const auto method = static_cast<std::size_t>(state.method);
     for (const auto& each : shown)
       all.models.push_back({each->model().name(), each->model().preparedShare(method)});

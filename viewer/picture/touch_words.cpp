@@ -23,7 +23,13 @@ double shareOf(const Touch& touch) { return relativeError(touch.error_bound, tou
 
 bool isBeyond(const Touch& touch) { return touch.touching && !touch.inside; }
 
-std::string textOf(const Eigen::Vector3d& force, const Touch& touch) {
+}  // namespace
+
+bool isUncertain(const Touch& touch) {
+  return isBeyond(touch) || (touch.touching && shareOf(touch) > noticeable_force_error);
+}
+
+std::string forceText(const Eigen::Vector3d& force, const Touch& touch) {
   if (!touch.touching && force.norm() == 0) return {};
   std::string text = fmt::format("{:.2f} N", force.norm());
   if (isBeyond(touch)) return text + "\ndeeper than computed: a wall pushes back";
@@ -34,16 +40,6 @@ std::string textOf(const Eigen::Vector3d& force, const Touch& touch) {
                         100 * noticeable_force_error);
   return text;
 }
-
-}  // namespace
-
-bool isUncertain(const Touch& touch) {
-  return isBeyond(touch) || (touch.touching && shareOf(touch) > noticeable_force_error);
-}
-
-std::string forceText(const HapticState& state) { return textOf(state.force, state.touch); }
-
-std::string tissueForceText(const Touch& touch) { return textOf(touch.force, touch); }
 
 std::string untouchedText(bool one_mesh, bool one_scale) {
   if (one_mesh) return "Nothing was computed here, or the method is still being prepared.";

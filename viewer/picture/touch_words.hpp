@@ -13,11 +13,9 @@ namespace palpate {
 /// (noticeable_force_error). Returns false without contact, and inside the region also if the
 /// method gives no bound.
 bool isUncertain(const Touch& touch);
-/// Returns the label at the arrow: the force in the hand, the error bound of the tissue's force,
+/// Returns the label at the arrow of a force: its length, the error bound of the tissue's force,
 /// and a note if the force is uncertain. Empty if there is neither contact nor force.
-std::string forceText(const HapticState& state);
-/// Returns the same label with the tissue's force in place of the force in the hand.
-std::string tissueForceText(const Touch& touch);
+std::string forceText(const Eigen::Vector3d& force, const Touch& touch);
 /// Returns the reason why the dataset beside the touched one is not touched. one_mesh: whether both
 /// have the same mesh. one_scale: whether one camera shows both well.
 std::string untouchedText(bool one_mesh, bool one_scale);

@@ -21,6 +21,8 @@ HapticState touchedWith(double force, double bound) {
   return state;
 }
 
+std::string label(const HapticState& state) { return forceText(state.force, state.touch); }
+
 TEST(TouchWords, CallAForceUncertainWhenAHandCouldNoticeTheError) {
   EXPECT_FALSE(isUncertain(touchedWith(1, 0.9 * noticeable_force_error).touch));
   EXPECT_TRUE(isUncertain(touchedWith(1, 1.1 * noticeable_force_error).touch));
@@ -30,17 +32,17 @@ TEST(TouchWords, CallAForceUncertainWhenAHandCouldNoticeTheError) {
 }
 
 TEST(TouchWords, GiveForceAndBound) {
-  EXPECT_EQ(forceText(touchedWith(0.402, 0.016)), "0.40 N ± 0.016 N");
-  EXPECT_THAT(forceText(touchedWith(1, 0.2)), HasSubstr("± 20 %"));
-  EXPECT_EQ(forceText(touchedWith(1, std::numeric_limits<double>::quiet_NaN())), "1.00 N");
-  EXPECT_EQ(forceText(HapticState()), "");
+  EXPECT_EQ(label(touchedWith(0.402, 0.016)), "0.40 N ± 0.016 N");
+  EXPECT_THAT(label(touchedWith(1, 0.2)), HasSubstr("± 20 %"));
+  EXPECT_EQ(label(touchedWith(1, std::numeric_limits<double>::quiet_NaN())), "1.00 N");
+  EXPECT_EQ(label(HapticState()), "");
 }
 
 TEST(TouchWords, GiveNoBoundOutsideTheComputedRegion) {
   HapticState state = touchedWith(1, 0.001);
   state.touch.inside = false;
   EXPECT_TRUE(isUncertain(state.touch));
-  EXPECT_THAT(forceText(state), Not(HasSubstr("±")));
+  EXPECT_THAT(label(state), Not(HasSubstr("±")));
 }
 
 }  // namespace
