@@ -47,10 +47,15 @@ void main() {
 }
 )";
 
-using InfoLog = std::array<char, 400>;
-
-Error notTaken(const InfoLog& why) {
-  return failure(
+/// Throws Error with the log of a shader or program unless this step of making it has succeeded.
+void requireStep(GLenum step, GLuint of, PFNGLGETSHADERIVPROC getState,
+                 PFNGLGETSHADERINFOLOGPROC getLog) {
+  GLint succeeded = GL_FALSE;
+  getState(of, step, &succeeded);
+  if (succeeded == GL_TRUE) return;
+  std::array<char, 400> why{};
+  getLog(of, static_cast<GLsizei>(why.size()), nullptr, why.data());
+  throw failure(
       "OpenGL rejects the shader of the picture ({}); use --headless, or set "
       "LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
       why.data());
@@ -63,24 +68,15 @@ void attach(GLuint program, GLenum kind, const char* source) {
   glCompileShader(shader);
   glAttachShader(program, shader);
   glDeleteShader(shader);
-  GLint compiled = GL_FALSE;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-  if (compiled == GL_TRUE) return;
-  InfoLog why{};
-  glGetShaderInfoLog(shader, static_cast<GLsizei>(why.size()), nullptr, why.data());
-  throw notTaken(why);
+  requireStep(GL_COMPILE_STATUS, shader, glGetShaderiv, glGetShaderInfoLog);
 }
 
 GLuint linked(GLuint program) {
   attach(program, GL_VERTEX_SHADER, vertex_source);
   attach(program, GL_FRAGMENT_SHADER, fragment_source);
   glLinkProgram(program);
-  GLint is_linked = GL_FALSE;
-  glGetProgramiv(program, GL_LINK_STATUS, &is_linked);
-  if (is_linked == GL_TRUE) return program;
-  InfoLog why{};
-  glGetProgramInfoLog(program, static_cast<GLsizei>(why.size()), nullptr, why.data());
-  throw notTaken(why);
+  requireStep(GL_LINK_STATUS, program, glGetProgramiv, glGetProgramInfoLog);
+  return program;
 }
 
 }  // namespace

@@ -18,12 +18,8 @@ constexpr double half_way = 0.5;  // depth of the press, in radii of the workspa
 std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int32_t vertex) {
   for (const std::int32_t triangle : surface.trianglesAt(vertex)) {
     if (!surface.touchable(triangle)) continue;
-    SurfacePoint point;
-    point.triangle = triangle;
-    const Triangle& corners = surface.triangles()[at(triangle)];
-    for (std::size_t c = 0; c < 3; ++c)
-      point.barycentric[static_cast<Eigen::Index>(c)] = corners[c] == vertex ? 1 : 0;
-    return point;
+    const auto& [a, b, c] = surface.triangles()[at(triangle)];
+    return SurfacePoint{triangle, Eigen::Vector3d(a == vertex, b == vertex, c == vertex)};
   }
   return std::nullopt;
 }
