@@ -49,7 +49,7 @@ struct OpenOrgan {
       : touched(std::move(organ)), shape(3 * touched.organ().vertices.size()) {}
   TouchedOrgan touched;
   std::vector<float> shape;
-  std::array<double, 10> numbers{};
+  Eigen::Matrix<double, 10, 1> numbers;
 
   SurfacePoint pointAt(std::int32_t triangle, double u, double v) const {
     return {triangle, {1 - u - v, u, v}};
@@ -87,8 +87,8 @@ PALPATE_PAGE(touchCount)()->std::size_t { return in_page->touched.organ().touche
 PALPATE_PAGE(touchNumbers)(std::size_t touch)->const double* {
   const CarriedOrgan& organ = in_page->touched.organ();
   const CarriedTouch& carried = organ.touches[touch];
-  in_page->numbers = {carried.finger_radius, organ.spaces[at(carried.spaces[0])].lattice.radius(),
-                      carried.rest.x(), carried.rest.y(), carried.rest.z()};
+  in_page->numbers.head<5>() << carried.finger_radius,
+      organ.spaces[at(carried.spaces[0])].lattice.radius(), carried.rest;
   return in_page->numbers.data();
 }
 
@@ -109,17 +109,8 @@ PALPATE_PAGE(evaluate)
     ->const double* {
   const Eigen::Vector3d s = in_page->placeAt(triangle, u, v), p(px, py, pz);
   const AreaSample sample = in_page->touched.evaluate(touch, s, p);
-  const Eigen::Vector3d& f = sample.force;
-  in_page->numbers = {f.x(),
-                      f.y(),
-                      f.z(),
-                      sample.error_bound,
-                      sample.energy,
-                      sample.coverage,
-                      sample.inside ? 1.0 : 0.0,
-                      s.x(),
-                      s.y(),
-                      s.z()};
+  in_page->numbers << sample.force, sample.error_bound, sample.energy, sample.coverage,
+      sample.inside ? 1.0 : 0.0, s;
   return in_page->numbers.data();
 }
 
