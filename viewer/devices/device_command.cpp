@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <memory>
 #include <thread>
 #include <utility>
 
@@ -46,6 +45,21 @@ void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
 
 }  // namespace
 
+void DeviceCommandOptions::addTo(CLI::App& app) {
+  endpoint = default_device_endpoint;
+  app.add_option("--listen", endpoint, "Address for the simulator, tcp://HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--device", device, deviceHelp(false))->capture_default_str();
+  app.add_option("--rate", rate, "Readings per second")
+      ->check(CLI::Range(1.0, 1e5))
+      ->capture_default_str();
+  keys.addTo(app, "Require no keys: anyone who reaches the port can push the hand");
+  app.footer(
+      "On the other machine: palpate view ... --device tcp://HOST:PORT, with a key allowed\n"
+      "here as operator. The force is zero whenever the simulator is silent.\n"
+      "Exit codes: 1 failed, 2 wrong usage, 130 interrupted.");
+}
+
 ExitCode serveDevice(const DeviceCommandOptions& options) {
   checkEndpoint(options.endpoint);
   const std::optional<KeyFolder> keys = options.keys.keys();
@@ -61,22 +75,7 @@ ExitCode serveDevice(const DeviceCommandOptions& options) {
   return ExitCode::interrupted;
 }
 
-const Verb device_verb = {
-    "device", "Lend a haptic device to a simulator on another machine", [](CLI::App& app) {
-      auto options = std::make_shared<DeviceCommandOptions>();
-      options->endpoint = default_device_endpoint;
-      app.add_option("--listen", options->endpoint, "Address for the simulator, tcp://HOST:PORT")
-          ->capture_default_str();
-      app.add_option("--device", options->device, deviceHelp(false))->capture_default_str();
-      app.add_option("--rate", options->rate, "Readings per second")
-          ->check(CLI::Range(1.0, 1e5))
-          ->capture_default_str();
-      options->keys.addTo(app, "Require no keys: anyone who reaches the port can push the hand");
-      app.footer(
-          "On the other machine: palpate view ... --device tcp://HOST:PORT, with a key allowed\n"
-          "here as operator. The force is zero whenever the simulator is silent.\n"
-          "Exit codes: 1 failed, 2 wrong usage, 130 interrupted.");
-      return std::function<ExitCode()>([options] { return serveDevice(*options); });
-    }};
+const Verb device_verb = {"device", "Lend a haptic device to a simulator on another machine",
+                          prepareVerb<DeviceCommandOptions, serveDevice>};
 
 }  // namespace palpate

@@ -11,6 +11,8 @@ struct DeviceCommandOptions {
   std::string device = "haply";  ///< word for openDevice()
   double rate = 1000;            ///< Hz
   KeyOptions keys = {};
+
+  void addTo(CLI::App& app);  ///< declares the options of the verb
 };
 
 /// Runs `palpate device`: lends a local device to a simulator on another machine (DeviceServer)
