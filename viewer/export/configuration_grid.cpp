@@ -18,10 +18,8 @@ GridArray vectorOf(const char* name, const char* unit, const Eigen::Vector3d& va
 }
 
 GridArray matrixOf(const char* name, const char* unit, const Eigen::Matrix3d& value) {
-  std::vector<double> rows;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) rows.push_back(value(row, column));
-  return {name, unit, 9, rows};
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = value;
+  return {name, unit, 9, std::vector<double>(rows.data(), rows.data() + rows.size())};
 }
 
 std::vector<GridArray> fieldDataOf(const ExportedConfiguration& configuration) {

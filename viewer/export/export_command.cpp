@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iostream>
-#include <memory>
 
 #include "common/base/number_text.hpp"
 #include "common/base/required_option.hpp"
@@ -134,47 +133,41 @@ ExitCode exportCurve(const std::vector<WayStep>& way, const ExportTarget& target
   return codeOf(static_cast<std::size_t>(outside), way.size());
 }
 
-std::function<ExitCode()> prepareExport(CLI::App& app) {
-  auto options = std::make_shared<ExportOptions>();
-  addRequired(app, "DATASET", options->dataset, "Sealed dataset from palpate build, OUT.h5",
-              "FILE");
+}  // namespace
+
+void ExportOptions::addTo(CLI::App& app) {
+  addRequired(app, "DATASET", dataset, "Sealed dataset from palpate build, OUT.h5", "FILE");
   addRequired(
-      app, "-o,--output", options->output,
+      app, "-o,--output", output,
       fmt::format("Output file; its ending selects the format: {}", ExportTarget::endings()),
       "FILE");
-  app.add_option("--active", options->active,
-                 "Active node, or surface that a finger touches [the only one]")
+  app.add_option("--active", active, "Active node, or surface that a finger touches [the only one]")
       ->type_name("NAME");
-  addPlaceOption(app, options->at);
-  addDisplacementOption(app, options->displacement)->required(false);
+  addPlaceOption(app, at);
+  addDisplacementOption(app, displacement)->required(false);
   app.add_option(
-         "--point", options->point,
+         "--point", point,
          "Solved lattice point instead of a displacement, in spacings; with --at, a point of the "
          "nearest site")
       ->expected(3)
       ->type_name("I J K");
-  app.add_option("--steps", options->steps, "Steps on the straight path from rest (.pvd and .csv)")
+  app.add_option("--steps", steps, "Steps on the straight path from rest (.pvd and .csv)")
       ->type_name("N");
-  app.add_option("--method", options->method,
+  app.add_option("--method", method,
                  fmt::format("Interpolation of forces: {} [{}]",
                              fmt::join(forceFieldMethods(), " or "), forceFieldMethods().front()))
       ->type_name("NAME");
-  app.add_flag("--replace", options->replace, "Overwrite existing files");
+  app.add_flag("--replace", replace, "Overwrite existing files");
   app.footer(
       "Points are written at rest: in ParaView, Warp By Vector with `displacement` deforms the\n"
       "body (docs/export.md).\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some force is not reliable, see query\n"
       "(it is written with inside = 0), 130 interrupted.");
-  return [options] {
-    catchInterrupts();
-    return exportConfigurations(*options, std::cin, std::cout);
-  };
 }
-
-}  // namespace
 
 ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
                               std::ostream& output) {
+  catchInterrupts();
   const ExportTarget target(options.output);
   checkChoice(options, target);
   target.refuseWhatIsThere(options.dataset, options.replace);
@@ -193,6 +186,6 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
 }
 
 const Verb export_verb = {"export", "Export configurations for ParaView, or force curves as CSV",
-                          prepareExport};
+                          prepareVerb<ExportOptions, exportConfigurations, std::cin, std::cout>};
 
 }  // namespace palpate

@@ -22,6 +22,8 @@ struct ExportOptions {
   int steps = 0;                   ///< number of steps of a straight path from rest; 0: not given
   std::string method = {};  ///< interpolation method; empty: the first of forceFieldMethods()
   bool replace = false;     ///< replace existing files
+
+  void addTo(CLI::App& app);  ///< declares the options of the verb
 };
 
 /// Runs `palpate export`: writes configurations of a dataset for ParaView and other programs, or
