@@ -10,6 +10,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
 #include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
@@ -126,8 +127,7 @@ class ViewSession {
   }
 
   void openPicture() {
-    PictureOptions picture_options;
-    picture_options.visible = options_.video.empty() || !options_.fast;
+    const PictureOptions picture_options = {.visible = options_.video.empty() || !options_.fast};
     picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
   }
 
@@ -311,11 +311,9 @@ class ViewSession {
     }
     const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
     if (!touch.touching) return;
-    const auto distance = [&](const SpaceTable& space) {
-      return (space.patch.finger->center - touch.anchor_position).squaredNorm();
-    };
     const std::vector<SpaceTable>& spaces = loaded_->first().spaces();
-    build_->prefer(std::ranges::min_element(spaces, {}, distance)->patch.name);
+    const auto all = countUp<std::size_t>(spaces.size());
+    build_->prefer(spaces[nearestSite(spaces, all, touch.anchor_position)].patch.name);
   }
 
   /// Warns if the positions of the device seem to be in millimetres. The tool would then never come

@@ -1,7 +1,6 @@
 #include "viewer/live/guessed_dataset.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -18,10 +17,8 @@ constexpr double stiffness_share = 0.5;
 constexpr double shape_radii = 3;
 
 double springOf(const Scene& scene, double radius) {
-  double softest = std::numeric_limits<double>::infinity();
-  for (const Region& region : scene.regions)
-    softest = std::min(softest, youngModulus(region.material));
-  return stiffness_share * softest * radius;
+  const auto modulusOf = [](const Region& region) { return youngModulus(region.material); };
+  return stiffness_share * std::ranges::min(mapped(scene.regions, modulusOf)) * radius;
 }
 
 /// Removes the probes and sets the coarsest lattice, because a guess is neither refined nor
