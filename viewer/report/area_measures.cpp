@@ -11,6 +11,7 @@
 #include "common/scene/active_choice.hpp"
 #include "viewer/fields/area_field.hpp"
 #include "viewer/fields/potential_field.hpp"
+#include "viewer/report/field_comparison.hpp"
 
 namespace palpate {
 namespace {
@@ -159,12 +160,9 @@ AreaProbes measureProbes(const AreaField& area, NearestSite& nearest,
 
 void sampleWay(const AreaField& area, NearestSite& nearest, const Eigen::Vector3d& place,
                double length, ForceWay& way) {
-  way.sampled.push_back(sampledOnWay(
-      [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
-        const AreaSample sample = area.evaluate(place, p);
-        return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
-      },
-      way.direction, 0, length));
+  way.sampled.push_back(
+      sampledOnWay([&](const Eigen::Vector3d& p) { return forceInside(area.evaluate(place, p)); },
+                   way.direction, 0, length));
   way.sampled.push_back(sampledOnWay(
       [&](const Eigen::Vector3d& p) { return nearest.force(place, p); }, way.direction, 0, length));
 }

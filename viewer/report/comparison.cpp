@@ -70,12 +70,6 @@ BothFields bothFields(const Comparison& comparison, const SpacePair& pair) {
   return fields;
 }
 
-/// Returns the force where the field has an answer, otherwise NaN.
-Eigen::Vector3d answerOf(const ForceField& field, const Eigen::Vector3d& p) {
-  const ForceSample sample = field.evaluate(p);
-  return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
-}
-
 /// Returns whether a sample can be compared: the field has an answer, and the force is within the
 /// limit of the scene.
 bool isComparable(const ForceSample& sample, const Dataset& dataset) {
@@ -121,8 +115,8 @@ void compareOverDistance(const BothFields& fields, double radius, ComparedPlace&
     const double distance = radius * (1 - 1e-9) * n / distance_samples;
     std::vector<double> first, second, difference;
     for (const Eigen::Vector3d& direction : directions) {
-      const Eigen::Vector3d a = answerOf(*fields[0], distance * direction),
-                            b = answerOf(*fields[1], distance * direction);
+      const Eigen::Vector3d a = forceInside(fields[0]->evaluate(distance * direction)),
+                            b = forceInside(fields[1]->evaluate(distance * direction));
       if (!a.allFinite() || !b.allFinite()) continue;
       first.push_back(a.norm());
       second.push_back(b.norm());
@@ -159,9 +153,9 @@ ComparedPlace comparePlace(const Comparison& comparison, const SpacePair& pair) 
       way.direction = Eigen::Vector3d::Unit(axis);
       way.solved = solvedOnWay(*pair[s], way.direction, true);
       const double own = pair[s]->lattice.radius() * (1 - 1e-9);
-      way.sampled.push_back(
-          sampledOnWay([&](const Eigen::Vector3d& p) { return answerOf(*fields[s], p); },
-                       way.direction, -own, own));
+      way.sampled.push_back(sampledOnWay(
+          [&](const Eigen::Vector3d& p) { return forceInside(fields[s]->evaluate(p)); },
+          way.direction, -own, own));
     }
   return place;
 }

@@ -126,6 +126,10 @@ bool isCovered(const ForceSample& sample) noexcept {
   return sample.inside && sample.coverage > 1 - 1e-9;
 }
 
+Eigen::Vector3d forceInside(const ForceSample& sample) noexcept {
+  return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
+}
+
 MadeField tryToMake(const std::string& method, const SpaceTable& space) {
   // If one method cannot be made of these points, the report still shows the others.
   try {

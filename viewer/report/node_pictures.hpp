@@ -29,11 +29,6 @@ struct SliceMap {
     double error;  ///< N
   };
   std::vector<ErrorMark> errors;  ///< at held-out solutions close to the plane
-
-  /// Returns the index of a sample in `bound` and `covered`.
-  static std::size_t sampleAt(int row, int column) {
-    return static_cast<std::size_t>(row) * side + static_cast<std::size_t>(column);
-  }
 };
 
 /// Samples the error bound of a field in the plane of two axes, and the field's errors at

@@ -27,10 +27,13 @@ TEST(SliceMap, ShowsLatticePointsOfThePlaneAndErrorsCloseToIt) {
 TEST(SliceMap, HasBoundsAndCoverageInTheBall) {
   const SliceMap map = sampled(0.02);
   const int middle = SliceMap::side / 2;
-  EXPECT_TRUE(std::isnan(map.bound[SliceMap::sampleAt(0, 0)]));
-  EXPECT_TRUE(std::isfinite(map.bound[SliceMap::sampleAt(middle, middle)]));
-  EXPECT_TRUE(map.covered[SliceMap::sampleAt(middle, middle)]);
-  EXPECT_FALSE(map.covered[SliceMap::sampleAt(0, middle)]);
+  const auto sampleAt = [](int row, int column) {
+    return static_cast<std::size_t>(row * SliceMap::side + column);
+  };
+  EXPECT_TRUE(std::isnan(map.bound[sampleAt(0, 0)]));
+  EXPECT_TRUE(std::isfinite(map.bound[sampleAt(middle, middle)]));
+  EXPECT_TRUE(map.covered[sampleAt(middle, middle)]);
+  EXPECT_FALSE(map.covered[sampleAt(0, middle)]);
 }
 
 }  // namespace
