@@ -103,16 +103,13 @@ CarriedShapes reducedShapes(const Dataset& dataset) {
 }
 
 CarriedTouch touchOf(const TouchArea& area, const Dataset& dataset) {
-  CarriedTouch touch;
-  touch.name = area.name;
-  touch.finger_radius = area.radius;
-  for (const std::size_t space : area.spaces)
-    touch.spaces.push_back(static_cast<std::int32_t>(space));
   const auto sites = chosenOf(dataset.spaces(), area.spaces);
-  touch.collocation_points = AreaField::collocationPointsOf(
-                                 sites, placesAround(dataset.mesh(), centersOf(sites), area.radius))
-                                 .places;
-  return touch;
+  const auto around = placesAround(dataset.mesh(), centersOf(sites), area.radius);
+  const auto number = [](std::size_t space) { return static_cast<std::int32_t>(space); };
+  return {.name = area.name,
+          .spaces = mapped(area.spaces, number),
+          .finger_radius = area.radius,
+          .collocation_points = AreaField::collocationPointsOf(sites, around).places};
 }
 
 CarriedTouch touchOf(std::size_t space, const Dataset& dataset) {
@@ -144,17 +141,13 @@ CarriedOrgan organOf(const Dataset& dataset) {
   organ.vertices = surface.vertices();
   organ.triangles = surface.triangles();
   organ.spaces = dataset.spaces();
-  std::vector<std::int32_t> touch_of_space(organ.spaces.size(), -1);
-  const auto add = [&](CarriedTouch touch) {
-    for (const std::int32_t space : touch.spaces)
-      touch_of_space[at(space)] = static_cast<std::int32_t>(organ.touches.size());
-    organ.touches.push_back(std::move(touch));
-  };
-  for (const TouchArea& area : surface.areas()) add(touchOf(area, dataset));
-  for (std::size_t space = 0; space < organ.spaces.size(); ++space)
-    if (touch_of_space[space] < 0) add(touchOf(space, dataset));
-  PALPATE_ASSERT(std::ranges::find(touch_of_space, -1) == touch_of_space.end(),
-                 "each space must belong to something touchable");
+  for (const TouchArea& area : surface.areas()) organ.touches.push_back(touchOf(area, dataset));
+  std::vector<std::int32_t> touch_of_space;
+  for (std::size_t space = 0; space < organ.spaces.size(); ++space) {
+    const std::int32_t area = surface.areaOfSpace(space);
+    touch_of_space.push_back(area >= 0 ? area : static_cast<std::int32_t>(organ.touches.size()));
+    if (area < 0) organ.touches.push_back(touchOf(space, dataset));
+  }
   for (std::int32_t t = 0; t < std::ssize(organ.triangles); ++t)
     organ.touch_of_triangle.push_back(surface.touchable(t) ? touch_of_space[at(spaceOf(surface, t))]
                                                            : -1);
