@@ -103,10 +103,9 @@ void RbfField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
   const double p[3] = {place.x(), place.y(), place.z()};
   const RbfSums sums =
       kernel_ == RbfKernel::linear ? linearRbfSums(blocks_, p) : cubicRbfSums(blocks_, p);
-  for (int i = 0; i < 3; ++i) {
-    sample.force[i] = sums.value[i];
-    for (int j = 0; j < 3; ++j) sample.stiffness(i, j) = sums.gradient[i][j] / spacing;
-  }
+  sample.force = Eigen::Map<const Eigen::Vector3d>(sums.value);
+  sample.stiffness =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(sums.gradient[0]) / spacing;
 }
 
 }  // namespace palpate

@@ -6,34 +6,6 @@
 namespace palpate {
 namespace {
 
-/// Copy of a space's points with another quantity in place of the energy, so that the functions for
-/// energies also interpolate that quantity. Points that are excluded from the interpolation of the
-/// energy are excluded for every quantity.
-class QuantityView {
- public:
-  explicit QuantityView(const SpaceTable& space)
-      : space_(space), interpolated_(interpolatedPoints(space)), view_(space) {
-    for (std::size_t n = 0; n < interpolated_.size(); ++n)
-      view_.points[n].tag = interpolated_[n] ? Tag::expandable : Tag::failed;
-  }
-  /// Returns a copy of the space with one quantity in its equilibria. Calls set(from, to) for each
-  /// interpolated point: `from` is the solved equilibrium, and `set` writes the quantity into `to`,
-  /// which is empty. The result is valid until the next call.
-  template <class Set>
-  const SpaceTable& of(Set set) {
-    for (std::size_t n = 0; n < interpolated_.size(); ++n) {
-      view_.points[n].equilibrium = {};
-      if (interpolated_[n]) set(space_.points[n].equilibrium, view_.points[n].equilibrium);
-    }
-    return view_;
-  }
-
- private:
-  const SpaceTable& space_;
-  const std::vector<bool> interpolated_;
-  SpaceTable view_;
-};
-
 void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
                  const std::vector<EnergyJet>& values) {
   PALPATE_ASSERT(jets.size() == values.size(), "all quantities must be of the same cells");
@@ -85,26 +57,38 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
   const std::vector<EnergyJet> energies = energyJets(tree, polynomials);
   p_error = FieldError(tree, polynomials, energies, data.suspect);
   setQuantity(jets, 0, energies);
-  const auto jetsOf = [&](const SpaceTable& quantity, LocalFits& of_its_order) {
-    auto ghosts = ghostPolynomials(tree, quantity, data.inconsistent, of_its_order);
+  // The space's points with another quantity in place of the energy, so that the functions for
+  // energies also interpolate that quantity. Points that are excluded from the interpolation of the
+  // energy are excluded for every quantity.
+  const std::vector<bool> interpolated = interpolatedPoints(space);
+  SpaceTable view(space);
+  for (std::size_t n = 0; n < interpolated.size(); ++n)
+    view.points[n].tag = interpolated[n] ? Tag::expandable : Tag::failed;
+  // Calls set(from, to) for each interpolated point: `from` is the solved equilibrium, and `set`
+  // writes the quantity into `to`, which is empty.
+  const auto jetsOf = [&](auto set, LocalFits& of_its_order) {
+    for (std::size_t n = 0; n < interpolated.size(); ++n) {
+      view.points[n].equilibrium = {};
+      if (interpolated[n]) set(space.points[n].equilibrium, view.points[n].equilibrium);
+    }
+    auto ghosts = ghostPolynomials(tree, view, data.inconsistent, of_its_order);
     return slotJets(
-        tree, slotPolynomials(tree, quantity, data.inconsistent, std::move(ghosts), of_its_order));
+        tree, slotPolynomials(tree, view, data.inconsistent, std::move(ghosts), of_its_order));
   };
-  QuantityView view(space);
   for (int axis = 0; axis < 3; ++axis) {
     const auto set = [axis](const Equilibrium& e, Equilibrium& drive) {
       drive.energy = e.drive[axis];
       drive.force = -e.drive_stiffness.row(axis);
       drive.stiffness = -symmetricOf(e.stiffness_by_s.col(axis));
     };
-    setQuantity(jets, 1 + axis, jetsOf(view.of(set), fits.drive));
+    setQuantity(jets, 1 + axis, jetsOf(set, fits.drive));
   }
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
     const auto set = [c](const Equilibrium& e, Equilibrium& slope) {
       slope.energy = e.drive_slope(symmetric_axes[c][0], symmetric_axes[c][1]);
       slope.force = -e.drive_slope_by_p.row(static_cast<Eigen::Index>(c));
     };
-    setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(view.of(set), fits.slope));
+    setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(set, fits.slope));
   }
   PALPATE_ASSERT(coverage.size() == jets.size(), "each corner must have a coverage and an energy");
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
