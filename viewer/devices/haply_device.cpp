@@ -139,7 +139,6 @@ void HaplyDevice::serve(const std::stop_token& stop) {
                                       error.message(), how_to_start));
     return;
   }
-  const Eigen::Vector3d center(options_.center[0], options_.center[1], options_.center[2]);
   const auto sayGone = [&](const beast::error_code& error) {
     if (stop.stop_requested()) return;
     exchange_->setTrouble(fmt::format("lost the Haply Inverse Service at {} ({}): {}", place_,
@@ -165,7 +164,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
     malformed += state.kind == HaplyState::Kind::malformed ? 1 : 0;
     if (state.kind == HaplyState::Kind::reading) {
       id = state.id;
-      state.reading.position -= center;
+      state.reading.position -= options_.center;
       exchange_->deliver(state.reading);
     }
     std::string trouble = state.trouble;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <Eigen/Core>
 #include <cstdint>
 #include <string>
 #include <thread>
@@ -20,7 +20,7 @@ struct HaplyDeviceOptions {
   /// Middle of the workspace relative to the origin of the device's own frame, which lies on the
   /// mounting plate; along our axes, m. The default is the position of the resting cursor in the
   /// documentation of the service.
-  std::array<double, 3> center = {0, 0.15, 0.12};
+  Eigen::Vector3d center = {0, 0.15, 0.12};
 };
 
 /// A Haply Inverse3, driven through the Haply Inverse Service on this machine.
