@@ -87,15 +87,16 @@ class OrganReader {
   std::string_view bytes_;
 };
 
-template <class Bytes, class... Numbers>
-void carry(Bytes& bytes, Numbers&... numbers) {
-  static_assert((std::is_trivially_copyable_v<Numbers> && ...));
-  (bytes.raw(&numbers, sizeof numbers), ...);
-}
+/// Whether the bytes of a value are all that there is to carry.
+template <class Value>
+constexpr bool is_plain = std::is_trivially_copyable_v<Value> ||
+                          (std::is_same_v<Value, Eigen::Vector3d> &&
+                           sizeof(Eigen::Vector3d) == 3 * sizeof(double));
 
-template <class Bytes, class Vector>
-void carryVector(Bytes& bytes, Vector& v) {
-  bytes.raw(v.data(), 3 * sizeof(double));
+template <class Bytes, class... Values>
+void carry(Bytes& bytes, Values&... values) {
+  static_assert((is_plain<std::remove_const_t<Values>> && ...));
+  (bytes.raw(&values, sizeof values), ...);
 }
 
 /// Visits a list. least: smallest number of bytes of an element.
@@ -107,13 +108,8 @@ void carryList(Bytes& bytes, List& list, std::size_t least, Each each) {
 }
 
 template <class Bytes, class List>
-void carryNumbers(Bytes& bytes, List& list) {
-  carryList(bytes, list, sizeof list[0], [&](auto& number) { carry(bytes, number); });
-}
-
-template <class Bytes, class Vectors>
-void carryVectors(Bytes& bytes, Vectors& vectors) {
-  carryList(bytes, vectors, sizeof vectors[0], [&](auto& v) { carryVector(bytes, v); });
+void carryValues(Bytes& bytes, List& list) {
+  carryList(bytes, list, sizeof list[0], [&](auto& value) { carry(bytes, value); });
 }
 
 template <class Bytes, class... Matrices>
@@ -136,8 +132,7 @@ void carryRounded(Bytes& bytes, Matrices&... matrices) {
 
 template <class Bytes, class AnEquilibrium>
 void carryEquilibrium(Bytes& bytes, AnEquilibrium& e, bool is_finger) {
-  carry(bytes, e.energy);
-  carryVector(bytes, e.force);
+  carry(bytes, e.energy, e.force);
   for (const auto& [a, b] : symmetric_axes) {
     carry(bytes, e.stiffness(a, b));
     if constexpr (Bytes::reads) e.stiffness(b, a) = e.stiffness(a, b);
@@ -154,10 +149,8 @@ void carryFinger(Bytes& bytes, Patch& patch) {
   if (is_there == 0) return;
   if constexpr (Bytes::reads) patch.finger.emplace();
   auto& finger = *patch.finger;
-  carryVector(bytes, finger.center);
-  carry(bytes, finger.radius);
-  carryVector(bytes, finger.reach.outward);
-  carry(bytes, finger.reach.pull, finger.reach.width);
+  carry(bytes, finger.center, finger.radius, finger.reach.outward, finger.reach.pull,
+        finger.reach.width);
   const double length = finger.reach.outward.norm();
   if (Bytes::reads && !((finger.center.array().abs() <= farthest_node).all() &&
                         (length == 0 || std::abs(length - 1) < 1e-12) &&
@@ -282,19 +275,18 @@ void carryShapes(Bytes& bytes, Shapes& shapes, std::size_t width,
 
 template <class Bytes, class Touch>
 void carryTouch(Bytes& bytes, Touch& touch) {
-  carryNumbers(bytes, touch.name);
-  carryNumbers(bytes, touch.spaces);
-  carry(bytes, touch.finger_radius);
-  carryVector(bytes, touch.rest);
-  carryVectors(bytes, touch.collocation_points);
+  carryValues(bytes, touch.name);
+  carryValues(bytes, touch.spaces);
+  carry(bytes, touch.finger_radius, touch.rest);
+  carryValues(bytes, touch.collocation_points);
 }
 
 template <class Bytes, class Organ>
 void carryOrgan(Bytes& bytes, Organ& organ) {
   constexpr std::size_t least_touch = 44, least_space = 33;  // bytes of an empty touch or space
-  carryNumbers(bytes, organ.name);
+  carryValues(bytes, organ.name);
   carry(bytes, organ.max_force);
-  carryVectors(bytes, organ.vertices);
+  carryValues(bytes, organ.vertices);
   const std::size_t triangles =
       bytes.size(organ.triangles.size(), sizeof(Triangle) + sizeof(std::int32_t));
   if constexpr (Bytes::reads) {
