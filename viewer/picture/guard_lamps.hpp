@@ -7,29 +7,24 @@
 
 namespace palpate {
 
-/// Returns one to three words for the user about bit n of Guarded. They say why the force in the
-/// hand differs from the tissue's force.
-inline const char* lampWords(int bit) {
-  static constexpr std::array<const char*, guard_count> words = {
-      "fading in",       "damping",           "force limited",
-      "rate limited",    "no new position",   "device lost",
-      "invalid reading", "computer too slow", "deeper than computed"};
-  return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
-}
-/// Returns a sentence for the user about bit n of Guarded.
-inline const char* lampSentence(int bit) {
-  static constexpr std::array<const char*, guard_count> sentences = {
-      "The force has made a step, which is being faded in.",
-      "The loop has created energy, which is being damped.",
-      "The tissue pushes harder than the device can render.",
-      "The force changes faster than the limit of the device.",
-      "The device has sent no new position for a while: the force goes to zero.",
-      "The device is unplugged or does not answer.",
-      "The position or the force was not finite and counts as zero.",
-      "The loop was delayed; the force restarts from zero.",
-      "Nothing was computed this deep: a wall, not the tissue, pushes back."};
-  return bit >= 0 && bit < guard_count ? sentences[static_cast<std::size_t>(bit)] : "";
-}
+/// Text for the user about a bit of Guarded.
+struct LampText {
+  const char* words;  ///< one to three: why the force in the hand differs from the tissue's force
+  const char* sentence;
+};
+/// By bit.
+inline constexpr std::array<LampText, guard_count> lamp_texts = {
+    {{"fading in", "The force has made a step, which is being faded in."},
+     {"damping", "The loop has created energy, which is being damped."},
+     {"force limited", "The tissue pushes harder than the device can render."},
+     {"rate limited", "The force changes faster than the limit of the device."},
+     {"no new position",
+      "The device has sent no new position for a while: the force goes to zero."},
+     {"device lost", "The device is unplugged or does not answer."},
+     {"invalid reading", "The position or the force was not finite and counts as zero."},
+     {"computer too slow", "The loop was delayed; the force restarts from zero."},
+     {"deeper than computed",
+      "Nothing was computed this deep: a wall, not the tissue, pushes back."}}};
 
 /// One lamp per Guarded bit. A guard often acts for a single tick, which is too short to be seen,
 /// so its lamp stays lit for another half second. One thread.

@@ -191,8 +191,8 @@ void lampField(const GuardLamps& lamps) {
   const ImVec2 origin = ImGui::GetCursorScreenPos();
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   float widest = 0;
-  for (int bit = 0; bit < guard_count; ++bit)
-    widest = std::max(widest, ImGui::CalcTextSize(lampWords(bit)).x + px(lamp_text_offset));
+  for (const LampText& text : lamp_texts)
+    widest = std::max(widest, ImGui::CalcTextSize(text.words).x + px(lamp_text_offset));
   const float wide = ImGui::GetContentRegionAvail().x;
   const int columns = wide < 2 * widest ? 1 : 2;
   const float column = wide / static_cast<float>(columns);
@@ -202,11 +202,12 @@ void lampField(const GuardLamps& lamps) {
     const ImVec2 at = {origin.x + column * static_cast<float>(bit - row * columns),
                        origin.y + line * static_cast<float>(row)};
     const bool lit = lamps.lit(bit);
+    const auto& [words, sentence] = lamp_texts[static_cast<std::size_t>(bit)];
     draw.AddCircleFilled({at.x + px(lamp_radius), at.y + text / 2}, px(lamp_radius),
                          lit ? lamp_lit : lamp_dark, lamp_corners);
-    draw.AddText({at.x + px(lamp_text_offset), at.y}, lit ? ink : faint, lampWords(bit));
+    draw.AddText({at.x + px(lamp_text_offset), at.y}, lit ? ink : faint, words);
     if (ImGui::IsMouseHoveringRect(at, {at.x + column, at.y + line}))
-      ImGui::SetTooltip("%s\nIn the log: %s", lampSentence(bit), guardWord(bit));
+      ImGui::SetTooltip("%s\nIn the log: %s", sentence, guardWord(bit));
   }
   const int lines = (guard_count + columns - 1) / columns;
   ImGui::Dummy({0, line * static_cast<float>(lines) - px(heading_gap)});

@@ -61,9 +61,9 @@ class ToolView {
   void drawAnchor(const ShownTool& tool, const SoftLight& light) const;
   static void drawSkinLine(const ShownTool& tool);
 
-  TurnedSolid ball_ = TurnedSolid::ball(), cylinder_ = TurnedSolid::cylinder(),
+  TurnedSolid ball_ = TurnedSolid::ball(), cylinder_ = TurnedSolid::cylinder(16),
               cone_ = TurnedSolid::cone(), handle_ = TurnedSolid::handle(),
-              finger_ = TurnedSolid::finger(), disc_ = TurnedSolid::disc();
+              finger_ = TurnedSolid::finger(), disc_ = TurnedSolid::cylinder(28);
 };
 
 }  // namespace palpate

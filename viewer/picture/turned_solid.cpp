@@ -60,8 +60,8 @@ TurnedSolid TurnedSolid::ball() {
   return TurnedSolid(profile, some);
 }
 
-TurnedSolid TurnedSolid::cylinder() {
-  return {std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {1, 1}, {1, 1}, {0, 1}}, some};
+TurnedSolid TurnedSolid::cylinder(int around) {
+  return {std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {1, 1}, {1, 1}, {0, 1}}, around};
 }
 
 TurnedSolid TurnedSolid::cone() {
@@ -72,15 +72,11 @@ TurnedSolid TurnedSolid::handle() {
   return {std::vector<ProfilePoint>{{1, 0}, {1, 0.96}, {0.7, 0.99}, {0, 1}}, few};
 }
 
-TurnedSolid TurnedSolid::disc() {
-  return {std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {1, 1}, {1, 1}, {0, 1}}, many};
-}
-
 TurnedSolid TurnedSolid::finger() {
   constexpr double slim = 0.84, end = 2.7;
   std::vector<ProfilePoint> profile;
   addArc(profile, 1, 0, -std::numbers::pi / 2, 0, 8);
-  for (const double height : {0.9}) profile.push_back({std::lerp(1, slim, height / end), height});
+  profile.push_back({std::lerp(1, slim, 0.9 / end), 0.9});
   for (const double angle : {0.0, 0.4, 0.8, 1.2, std::numbers::pi / 2})
     profile.push_back({slim * std::cos(angle), end + 0.5 * slim * std::sin(angle)});
   return {profile, many};

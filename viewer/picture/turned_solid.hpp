@@ -20,11 +20,10 @@ class TurnedSolid {
   /// around: number of corners of its circles. A small solid needs few corners; small triangles
   /// cost more time for their size.
   TurnedSolid(std::span<const ProfilePoint> profile, int around);
-  static TurnedSolid ball();      ///< radius 1 around the origin
-  static TurnedSolid cylinder();  ///< radius 1 from z = 0 to 1
-  static TurnedSolid disc();      ///< like cylinder(), with more corners
-  static TurnedSolid cone();      ///< radius 1 at z = 0, tip at z = 1
-  static TurnedSolid handle();    ///< a cylinder with a rounded end at z = 1
+  static TurnedSolid ball();                ///< radius 1 around the origin
+  static TurnedSolid cylinder(int around);  ///< radius 1 from z = 0 to 1
+  static TurnedSolid cone();                ///< radius 1 at z = 0, tip at z = 1
+  static TurnedSolid handle();              ///< a cylinder with a rounded end at z = 1
   /// A round tip of radius 1 around the origin, from which a finger extends to z = 3.
   static TurnedSolid finger();
 
