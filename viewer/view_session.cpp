@@ -138,9 +138,8 @@ class ViewSession {
     const auto seen = [&](const HapticModel& model, double share) {
       // Without a clock draw nothing here, because the frames must be the same in every run.
       if (!picture_ || options_.fast) return true;
-      PictureStatus waiting;
-      waiting.notice =
-          fmt::format("preparing the forces of {}: {:.0f} %", model.name(), 100 * share);
+      const PictureStatus waiting = {
+          .notice = fmt::format("preparing the forces of {}: {:.0f} %", model.name(), 100 * share)};
       return !picture_->draw(nobody, waiting).quit && !picture_->wantsClose();
     };
     quit_ = !loaded_->prepareFirst(seen);

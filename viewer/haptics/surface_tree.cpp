@@ -176,9 +176,7 @@ NearestPoint SurfaceTree::nearest(const Eigen::Vector3d& point, std::int32_t hin
     const double squared = (point - position).squaredNorm();
     if (!(squared < best_squared)) return;
     best_squared = squared;
-    best.triangle = triangle;
-    best.barycentric = barycentric;
-    best.position = position;
+    best = {{triangle, barycentric}, position};
   };
   if (hint >= 0 && at(hint) < faces_.size()) consider(hint);
 

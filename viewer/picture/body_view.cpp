@@ -60,11 +60,6 @@ Eigen::Vector3f eyeOfView() {
   return (-view.topLeftCorner<3, 3>().transpose() * view.topRightCorner<3, 1>()).cast<float>();
 }
 
-float smoothStep(double from, double to, double x) {
-  const double share = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return static_cast<float>(share * share * (3 - 2 * share));
-}
-
 }  // namespace
 
 BodyView::BodyView(const HapticModel& model)
@@ -204,7 +199,7 @@ void BodyView::drawGhost() {
   const double begins = ghost_begins * sphere_.radius, whole = ghost_whole * sphere_.radius;
   if (shape_.largest() <= begins) return;
   for (std::size_t v = 0; v < shape_.size(); ++v)
-    ghost_shares_[v] = smoothStep(begins, whole, shape_.length(v));
+    ghost_shares_[v] = static_cast<float>(smoothStep(begins, whole, shape_.length(v)));
   ghost_corners_.clear();
   for (std::size_t t = 0; t < shape_.corners().size(); t += 3) {
     const std::span<const std::uint32_t> corners = shape_.corners().subspan(t, 3);

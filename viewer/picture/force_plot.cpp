@@ -28,8 +28,8 @@ constexpr double smallest_limit = 0.5;  // N: smallest end of the axis
 constexpr int most_steps = 2;           // of the grid, on either side of zero
 constexpr std::array<ImU32, 4> curve_colours = {axis_colours[0], axis_colours[1], axis_colours[2],
                                                 IM_COL32(30, 30, 36, 255)};
-constexpr std::array<const char*, 4> curve_names = {"x", "y", "z", "|F|"};
-constexpr const char* band_name = "error bound";
+/// Of the curves, then of the band.
+constexpr std::array<const char*, 5> legend_names = {"x", "y", "z", "|F|", "error bound"};
 constexpr const char* plot_title = "force on the tool, N";
 constexpr const char* short_plot_title = "force, N";
 constexpr ImU32 band_colour = IM_COL32(30, 30, 36, 46);
@@ -110,11 +110,8 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
 /// Returns the width of the title and of all entries with their keys.
 float plotLegendWidth() {
   float width = ImGui::CalcTextSize(plot_title).x;
-  const auto add = [&](const char* name) {
+  for (const char* const name : legend_names)
     width += px(legend_gap + key_length + key_gap) + ImGui::CalcTextSize(name).x;
-  };
-  for (const char* const name : curve_names) add(name);
-  add(band_name);
   return width;
 }
 
@@ -133,9 +130,9 @@ void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
   entry(at.x + plotLegendWidth() > right ? short_plot_title : plot_title, 0);
   const float key = px(key_length);
   for (std::size_t curve = 0; curve < curve_colours.size(); ++curve)
-    if (const auto left = entry(curve_names[curve], key))
+    if (const auto left = entry(legend_names[curve], key))
       draw.AddLine({*left, middle}, {*left + key, middle}, curve_colours[curve], px(2));
-  if (const auto left = entry(band_name, key))
+  if (const auto left = entry(legend_names.back(), key))
     draw.AddRectFilled({*left, middle - px(band_height) / 2},
                        {*left + key, middle + px(band_height) / 2}, band_colour);
 }

@@ -46,10 +46,12 @@ double blotchAt(const Eigen::Vector3d& scaled) {
                    std::sin(3.3 * x.z() + std::sin(2.1 * x.x()));
 }
 
-double displacementCover(double place) {
-  const double share = std::clamp(place / covered_from, 0.0, 1.0);
+double smoothStep(double from, double to, double x) {
+  const double share = std::clamp((x - from) / (to - from), 0.0, 1.0);
   return share * share * (3 - 2 * share);
 }
+
+double displacementCover(double place) { return smoothStep(0, covered_from, place); }
 
 Rgb displacementHue(double place) { return colourAmong(hues, place); }
 

@@ -29,6 +29,9 @@ Rgb tissueColour(double felt, double blotch = 0.5);
 /// body.
 double blotchAt(const Eigen::Vector3d& scaled);
 
+/// Returns 0 up to `from`, 1 beginning at `to`, and a smooth transition between them.
+double smoothStep(double from, double to, double x);
+
 /// Returns the opacity of a displacement's colour over the tissue. It is 0 without displacement,
 /// and 1 from a fifth of the scale on. place: position on the scale, 0 to 1.
 double displacementCover(double place);

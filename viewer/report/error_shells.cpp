@@ -6,11 +6,9 @@ namespace palpate {
 
 std::vector<ErrorShell> measureShells(const std::vector<std::vector<DistanceComparison>>& methods,
                                       double radius, const AccuracyTarget& target) {
-  std::vector<ErrorShell> shells(shell_count);
-  for (std::size_t s = 0; s < shell_count; ++s) {
-    shells[s].from = radius * static_cast<double>(s) / shell_count;
-    shells[s].to = radius * static_cast<double>(s + 1) / shell_count;
-  }
+  std::vector<ErrorShell> shells;
+  const auto edge = [&](std::size_t s) { return radius * static_cast<double>(s) / shell_count; };
+  for (std::size_t s = 0; s < shell_count; ++s) shells.push_back({edge(s), edge(s + 1), {}});
   for (const std::vector<DistanceComparison>& method : methods) {
     std::vector<std::vector<ForceComparison>> in_shell(shell_count);
     for (const DistanceComparison& at : method) {
