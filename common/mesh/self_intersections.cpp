@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/program.hpp"
+#include "common/mesh/surface_point.hpp"
 
 namespace palpate {
 namespace {
@@ -80,52 +81,39 @@ bool isFlatOn(const Corners& s, const Corners& t) {
       s, [&](const auto& p) { return sideOf(t[0], t[1], t[2], p, one_plane) == 0; });
 }
 
+/// Returns whether the edge of `s` opposite the shared corner meets `t`.
+bool edgeBeside(const std::array<bool, 3>& shared, const Corners& s, const Corners& t) {
+  for (int i = 0; i < 3; ++i)
+    if (shared[i]) return meets(s[(i + 1) % 3], s[(i + 2) % 3], t);
+  return false;
+}
+
 /// Decides whether two triangles intersect in more than their shared corners and edges.
-class PairCheck {
- public:
-  PairCheck(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles)
-      : points_(points), triangles_(triangles) {}
-
-  bool cut(std::int32_t a, std::int32_t b) const {
-    const Triangle &s = triangles_[a], &t = triangles_[b];
-    std::array<bool, 3> of_s{}, of_t{};  // whether each corner is shared
-    int shared = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
-        if (s[i] == t[k]) {
-          of_s[i] = of_t[k] = true;
-          ++shared;
-        }
-    const Corners p = cornersOf(s), q = cornersOf(t);
-    // Triangles that share an edge, or lie in one plane, can intersect further only if they overlap
-    // in that plane.
-    if (shared >= 2 || isFlatOn(p, q)) return isFlatOn(p, q) && overlapInPlane(p, q);
-    if (shared == 1) return edgeBeside(of_s, p, q) || edgeBeside(of_t, q, p);
-    for (int i = 0; i < 3; ++i)
-      if (meets(p[i], p[(i + 1) % 3], q) || meets(q[i], q[(i + 1) % 3], p)) return true;
-    return false;
-  }
-
- private:
-  Corners cornersOf(const Triangle& t) const {
-    return {points_[t[0]], points_[t[1]], points_[t[2]]};
-  }
-
-  /// Returns whether the edge of `s` opposite the shared corner meets `t`.
-  static bool edgeBeside(const std::array<bool, 3>& shared, const Corners& s, const Corners& t) {
-    for (int i = 0; i < 3; ++i)
-      if (shared[i]) return meets(s[(i + 1) % 3], s[(i + 2) % 3], t);
-    return false;
-  }
-
-  const std::vector<Eigen::Vector3d>& points_;
-  const std::vector<Triangle>& triangles_;
-};
+bool cutEachOther(const std::vector<Eigen::Vector3d>& points, const Triangle& s,
+                  const Triangle& t) {
+  std::array<bool, 3> of_s{}, of_t{};  // whether each corner is shared
+  int shared = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (s[i] == t[k]) {
+        of_s[i] = of_t[k] = true;
+        ++shared;
+      }
+  const Corners p = cornersOf(points, s), q = cornersOf(points, t);
+  // Triangles that share an edge, or lie in one plane, can intersect further only if they overlap
+  // in that plane.
+  if (shared >= 2 || isFlatOn(p, q)) return isFlatOn(p, q) && overlapInPlane(p, q);
+  if (shared == 1) return edgeBeside(of_s, p, q) || edgeBeside(of_t, q, p);
+  for (int i = 0; i < 3; ++i)
+    if (meets(p[i], p[(i + 1) % 3], q) || meets(q[i], q[(i + 1) % 3], p)) return true;
+  return false;
+}
 
 /// Visitor for Eigen's tree of boxes. Counts the triangles with a higher number than `triangle`
 /// that intersect it.
 struct CutsOfOne {
-  const PairCheck& check;
+  const std::vector<Eigen::Vector3d>& points;
+  const std::vector<Triangle>& triangles;
   const std::vector<Eigen::AlignedBox3d>& boxes;
   std::int32_t triangle;
   std::int64_t count = 0;
@@ -137,7 +125,7 @@ struct CutsOfOne {
   /// Checks one triangle. Returns false, so that the search continues.
   bool intersectObject(std::int32_t other) {
     if (other > triangle && boxes[other].intersects(boxes[triangle]) &&
-        check.cut(triangle, other)) {
+        cutEachOther(points, triangles[triangle], triangles[other])) {
       ++count;
       if (lowest < 0 || other < lowest) lowest = other;
     }
@@ -159,11 +147,10 @@ SelfIntersections selfIntersectionsOf(const std::vector<Eigen::Vector3d>& points
     for (const std::int32_t node : triangles[t]) boxes[t].extend(oblique * points[node]);
   const Eigen::KdBVH<double, 3, std::int32_t> tree(numbers.begin(), numbers.end(), boxes.begin(),
                                                    boxes.end());
-  const PairCheck check(points, triangles);
   SelfIntersections cuts;
   for (const std::int32_t a : numbers) {
     endWhenInterrupted();
-    CutsOfOne query{check, boxes, a};
+    CutsOfOne query{points, triangles, boxes, a};
     Eigen::BVIntersect(tree, query);
     cuts.count += query.count;
     if (query.lowest >= 0 && cuts.first[0] < 0) cuts.first = {a, query.lowest};
