@@ -293,10 +293,11 @@ void WorkerSession::askAgain(bool solving, Time now) {
     requestJobs(jobs_in_advance, true, now);
 }
 
-void WorkerSession::sayGoodbye(const char* reason) {
+WorkerSession::Next WorkerSession::sayGoodbye(const char* reason) {
   wire::Message message;
   message.mutable_goodbye()->set_reason(reason);
   send_(std::move(message), {});
+  return Next::end;
 }
 
 void WorkerSession::forgiveOwnGap(Time now) {
@@ -347,18 +348,11 @@ WorkerSession::Next WorkerSession::advance(Time now) {
   if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
   // No goodbye is sent, so that the scheduler learns which target ended this process.
   if (solverHangs(now)) return Next::killed;
-  if (draining_ && unacknowledged_.empty() && !mailbox_.progress().heartbeat.solving()) {
-    sayGoodbye(interrupted_at_ ? "interrupted" : finished_ ? "no more work" : "drained");
-    return Next::end;
-  }
-  if (interrupted_at_ && now - *interrupted_at_ > Seconds(options_.drain_s)) {
-    sayGoodbye("interrupted in a solve");
-    return Next::end;
-  }
-  if (isIdleForLong(now)) {
-    sayGoodbye("nothing to do");
-    return Next::end;
-  }
+  if (draining_ && unacknowledged_.empty() && !mailbox_.progress().heartbeat.solving())
+    return sayGoodbye(interrupted_at_ ? "interrupted" : finished_ ? "no more work" : "drained");
+  if (interrupted_at_ && now - *interrupted_at_ > Seconds(options_.drain_s))
+    return sayGoodbye("interrupted in a solve");
+  if (isIdleForLong(now)) return sayGoodbye("nothing to do");
   if (now - last_heard_ > Seconds(options_.give_up_s))
     throw failure("no message from {} for {} s; is the scheduler running, and is this its address?",
                   options_.endpoint, options_.give_up_s);

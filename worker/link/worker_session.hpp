@@ -91,7 +91,7 @@ class WorkerSession {
   void askAgain(bool solving, Time now);
   void forgetWork();
   void drain();
-  void sayGoodbye(const char* reason);
+  Next sayGoodbye(const char* reason);
   void forgiveOwnGap(Time now);
   bool solverHangs(Time now);
   bool isIdleForLong(Time now);
