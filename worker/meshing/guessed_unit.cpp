@@ -19,10 +19,6 @@ constexpr double most_metres = 1, most_centimetres = 40;
 /// most_millimetres (millimetres).
 constexpr double sure_metres = 0.01, sure_millimetres = 100, most_millimetres = 1000;
 
-LengthUnit unitOf(std::string_view word) {
-  return *std::ranges::find(length_units, word, &LengthUnit::word);
-}
-
 std::string sizeIn(double extent, const LengthUnit& unit) {
   return fmt::format("{:.3g} cm wide in {}", 100 * extent * unit.metres, unit.name);
 }
@@ -30,25 +26,22 @@ std::string sizeIn(double extent, const LengthUnit& unit) {
 }  // namespace
 
 std::optional<GuessedUnit> guessedUnit(double extent) {
-  if (!(extent >= smallest_body) || extent * unitOf("mm").metres > largest_body)
-    return std::nullopt;
+  const auto& [m, cm, mm] = length_units;
+  if (!(extent >= smallest_body) || extent * mm.metres > largest_body) return std::nullopt;
   if (extent <= most_metres) {
     const bool sure = extent >= sure_metres;
-    return GuessedUnit{unitOf("m"), sure ? "" : sizeIn(extent, unitOf("m")) + ", which is small"};
+    return GuessedUnit{m, sure ? "" : sizeIn(extent, m) + ", which is small"};
   }
   if (extent < most_centimetres) {
-    const std::string others = sizeIn(extent, unitOf("mm"));
+    const std::string others = sizeIn(extent, mm);
     return GuessedUnit{
-        unitOf("cm"),
-        fmt::format(
-            "{}, and {}", sizeIn(extent, unitOf("cm")),
-            extent > largest_body ? others : others + ", or " + sizeIn(extent, unitOf("m")))};
+        cm, fmt::format("{}, and {}", sizeIn(extent, cm),
+                        extent > largest_body ? others : others + ", or " + sizeIn(extent, m))};
   }
   if (extent < sure_millimetres)
-    return GuessedUnit{unitOf("mm"), fmt::format("{}, and {}", sizeIn(extent, unitOf("mm")),
-                                                 sizeIn(extent, unitOf("cm")))};
+    return GuessedUnit{mm, fmt::format("{}, and {}", sizeIn(extent, mm), sizeIn(extent, cm))};
   const bool sure = extent <= most_millimetres;
-  return GuessedUnit{unitOf("mm"), sure ? "" : sizeIn(extent, unitOf("mm")) + ", which is large"};
+  return GuessedUnit{mm, sure ? "" : sizeIn(extent, mm) + ", which is large"};
 }
 
 std::string whyNoUnit(double extent) {
