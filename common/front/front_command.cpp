@@ -19,18 +19,15 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-/// Returns the programs, each with its verbs.
-const std::vector<std::pair<std::string, Words>>& programs() {
-  static const std::vector<std::pair<std::string, Words>> all = {
-      {"palpate-worker", {"mesh", "new", "check", "solve", "work", "follow"}},
-      {"palpate-scheduler",
-       {"build", "serve", "status", "stop", "fleet", "pause", "resume", "seal", "priority", "retry",
-        "explain", "events", "key"}},
-      {"palpate-verify", {"verify"}},
-      {"palpate-answers", {"query", "report", "share", "export"}},
-      {"palpate-viewer", {"touch", "doctor", "view", "device"}}};
-  return all;
-}
+/// The programs, each with its verbs.
+const std::vector<std::pair<std::string, Words>> programs = {
+    {"palpate-worker", {"mesh", "new", "check", "solve", "work", "follow"}},
+    {"palpate-scheduler",
+     {"build", "serve", "status", "stop", "fleet", "pause", "resume", "seal", "priority", "retry",
+      "explain", "events", "key"}},
+    {"palpate-verify", {"verify"}},
+    {"palpate-answers", {"query", "report", "share", "export"}},
+    {"palpate-viewer", {"touch", "doctor", "view", "device"}}};
 
 constexpr const char* overview =
     R"(Feel a nonlinear soft body at 1 kHz: Palpate computes the equilibrium of the body in advance for a
@@ -107,7 +104,7 @@ run
 
 int refuseVerb(std::string_view verb) {
   Words verbs;
-  for (const auto& [program, of_it] : programs())
+  for (const auto& [program, of_it] : programs)
     verbs.insert(verbs.end(), of_it.begin(), of_it.end());
   const std::string_view nearest = nearestWord(verb, verbs);
   if (nearest.empty())
@@ -128,7 +125,7 @@ std::string programFor(const std::vector<std::string>& arguments) {
   if (arguments[0] == "check" &&
       std::any_of(arguments.begin() + 1, arguments.end(), namesDirectory))
     return "palpate-scheduler";
-  for (const auto& [program, verbs] : programs())
+  for (const auto& [program, verbs] : programs)
     if (std::ranges::find(verbs, arguments[0]) != verbs.end()) return program;
   return "";
 }
