@@ -8,9 +8,6 @@ namespace palpate {
 /// Exchanges messages with peers, over a socket or in a test. No function blocks.
 class Transport {
  public:
-  Transport() = default;
-  Transport(const Transport&) = delete;
-  Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
   /// Returns the next received message; none if there is none.
