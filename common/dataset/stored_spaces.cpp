@@ -50,7 +50,11 @@ constexpr auto jump_count = [](const SpaceToWrite& space) { return space.jumps.s
 constexpr auto probe_count = [](const SpaceToWrite& space) {
   return static_cast<std::size_t>(space.rows.probes());
 };
-constexpr auto attempt_count = [](const SpaceToWrite& space) { return space.rows.attempts(); };
+constexpr auto attempt_count = [](const SpaceToWrite& space) {
+  std::size_t count = 0;
+  space.rows.eachAttempt([&](const FailedAttempt&) { ++count; });
+  return count;
+};
 
 /// Calls visit(firsts, rows, list, count) for each table. `firsts` is the path of the array with
 /// the first row of each space. `rows` is the path of one of the table's arrays. list(SpaceTable)

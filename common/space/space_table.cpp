@@ -55,7 +55,6 @@ class TableRows : public SpaceRows {
   const ToolEquilibrium* equilibrium(std::int32_t n) const override {
     return n < points() && isSolved(tag(n)) ? &row(n).equilibrium : nullptr;
   }
-  std::size_t attempts() const override { return table_.attempts.size(); }
   void eachAttempt(const VisitAttempt& visit) const override {
     std::ranges::for_each(table_.attempts, visit);
   }

@@ -96,7 +96,6 @@ class SpaceRows {
   virtual Tag tag(std::int32_t n) const = 0;
   /// Equilibrium without FingerSlopes; null if the point is not solved.
   virtual const ToolEquilibrium* equilibrium(std::int32_t n) const = 0;
-  virtual std::size_t attempts() const = 0;  ///< number of failed attempts
   using VisitAttempt = std::function<void(const FailedAttempt&)>;
   virtual void eachAttempt(const VisitAttempt& visit) const = 0;
   virtual std::int32_t probes() const = 0;  ///< number of probes

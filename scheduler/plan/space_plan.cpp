@@ -53,6 +53,34 @@ LatticePoint positionOf(const Eigen::Vector3d& displacement, double unit) {
   return position;
 }
 
+/// Presents a plan as the rows of a dataset.
+class PlanRows : public SpaceRows {
+ public:
+  explicit PlanRows(const SpacePlan& plan) : plan_(plan) {}
+  const ActivePatch& patch() const override { return plan_.patch(); }
+  const Lattice& lattice() const override { return plan_.positions(); }
+  const std::vector<LatticeCell>& splits() const override { return plan_.splits(); }
+  std::int32_t points() const override { return plan_.endOfPoints(); }
+  PointRecord point(std::int32_t n) const override { return plan_.point(n); }
+  Tag tag(std::int32_t n) const override { return plan_.points().tag(n); }
+  const ToolEquilibrium* equilibrium(std::int32_t n) const override {
+    return isSolved(tag(n)) ? &plan_.points().equilibrium(n) : nullptr;
+  }
+  void eachAttempt(const VisitAttempt& visit) const override {
+    for (std::int32_t n = 0; n < points(); ++n)
+      for (const FailedAttempt& attempt : plan_.attempts(n)) visit(attempt);
+  }
+  std::int32_t probes() const override { return plan_.size() - plan_.endOfPoints(); }
+  Probe probe(std::int32_t n) const override {
+    PALPATE_ASSERT(n >= 0 && n < probes(), "the number of the probe must exist");
+    const std::int32_t number = points() + n;
+    return {lattice().displacement(number), plan_.point(number)};
+  }
+
+ private:
+  const SpacePlan& plan_;
+};
+
 }  // namespace
 
 std::string_view name(Stage stage) {
@@ -312,23 +340,6 @@ void SpacePlan::beginProbes() {
 }
 
 SpaceTable SpacePlan::table() const { return tableOf(PlanRows(*this)); }
-
-std::size_t PlanRows::attempts() const {
-  std::size_t count = 0;
-  eachAttempt([&](const FailedAttempt&) { ++count; });
-  return count;
-}
-
-void PlanRows::eachAttempt(const VisitAttempt& visit) const {
-  for (std::int32_t n = 0; n < points(); ++n)
-    for (const FailedAttempt& attempt : plan_.attempts(n)) visit(attempt);
-}
-
-Probe PlanRows::probe(std::int32_t n) const {
-  PALPATE_ASSERT(n >= 0 && n < probes(), "the number of the probe must exist");
-  const std::int32_t number = points() + n;
-  return {lattice().displacement(number), plan_.point(number)};
-}
 
 SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans) {
   SpaceRowsList rows;

@@ -102,7 +102,7 @@ class SpacePlan {
 
   const ActivePatch& patch() const { return problem_->active[space_]; }
   const std::vector<LatticeCell>& splits() const { return splits_; }
-  /// Returns a copy of the dataset's rows (PlanRows) as far as they are known.
+  /// Returns a copy of the dataset's rows as far as they are known.
   SpaceTable table() const;
 
  private:
@@ -146,30 +146,7 @@ class SpacePlan {
   std::optional<double> later_points_;
 };
 
-/// Presents a plan as the rows of a dataset. `plan` must outlive this object and stay unchanged
-/// meanwhile.
-class PlanRows : public SpaceRows {
- public:
-  explicit PlanRows(const SpacePlan& plan) : plan_(plan) {}
-  const ActivePatch& patch() const override { return plan_.patch(); }
-  const Lattice& lattice() const override { return plan_.positions(); }
-  const std::vector<LatticeCell>& splits() const override { return plan_.splits(); }
-  std::int32_t points() const override { return plan_.endOfPoints(); }
-  PointRecord point(std::int32_t n) const override { return plan_.point(n); }
-  Tag tag(std::int32_t n) const override { return plan_.points().tag(n); }
-  const ToolEquilibrium* equilibrium(std::int32_t n) const override {
-    return isSolved(tag(n)) ? &plan_.points().equilibrium(n) : nullptr;
-  }
-  std::size_t attempts() const override;
-  void eachAttempt(const VisitAttempt& visit) const override;
-  std::int32_t probes() const override { return plan_.size() - plan_.endOfPoints(); }
-  Probe probe(std::int32_t n) const override;
-
- private:
-  const SpacePlan& plan_;
-};
-
-/// Returns the rows of several plans. The plans must outlive the rows.
+/// Returns the rows of several plans, which must outlive the rows and stay unchanged meanwhile.
 SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
 
 /// Returns the transition with this key from the plan of its space. Returns none if the space does
