@@ -189,27 +189,23 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
 std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                     const NodeSet& fixed, double radius, double reach,
                                     ContactMode contact, std::int32_t count) {
-  std::vector<Eigen::Vector3d> middles, normals;
+  std::vector<Piece> pieces;
+  for (const std::int32_t triangle : triangles)
+    appendPieces(mesh, triangle, fixed, place_distance * radius, pieces);
   std::vector<double> areas;  // cumulative area of the pieces, m^2
   double area = 0;
-  for (const std::int32_t triangle : triangles)
-    forEachPiece(mesh, triangle, place_distance * radius, [&](const SurfacePiece& piece) {
-      middles.push_back(piece.middle);
-      normals.push_back(normalOf(mesh, triangle));
-      areas.push_back(area += piece.area);
-    });
+  for (const Piece& piece : pieces) areas.push_back(area += piece.area);
   const FreeShare free_share(mesh, fixed, radius);
   std::vector<ProbePlace> found;
   for (std::int64_t n = 1; n <= most_draws * count && std::ssize(found) < count; ++n) {
     const Eigen::Vector4d x = quasiRandom(n);
     if (x[1] < least_length) continue;
     const Eigen::Vector3d p = reach * x[1] * onSphere(2 * x[2] - 1, x[3]);
-    const auto piece = std::ranges::lower_bound(areas, x[0] * area) - areas.begin();
+    const Piece& piece = pieces[at(std::ranges::lower_bound(areas, x[0] * area) - areas.begin())];
     const PushedPart part =
-        contact == ContactMode::unilateral ? pushedAt(normals[at(piece)], radius) : PushedPart{};
-    const Eigen::Vector3d& place = middles[at(piece)];
-    if (part.contains(p) && !free_share.isBelow(least_free_share, place))
-      found.push_back({place, p});
+        contact == ContactMode::unilateral ? pushedAt(piece.normal, radius) : PushedPart{};
+    if (part.contains(p) && !free_share.isBelow(least_free_share, piece.middle))
+      found.push_back({piece.middle, p});
   }
   return found;
 }
