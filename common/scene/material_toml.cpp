@@ -88,7 +88,7 @@ void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
   std::vector<std::string_view> taken = {"law", "group", "box", "sphere"};
   for (const auto& some : {keys.needed, keys.optional})
     taken.insert(taken.end(), some.begin(), some.end());
-  for (const std::string_view key : materialKeys())
+  for (const std::string_view key : material_keys)
     if (section.has(key) && std::ranges::find(taken, key) == taken.end())
       throw section.wrong(key, "law \"{}\" does not take this key; it needs {}, and accepts {}",
                           word(law), listed(keys.needed, "and"), listed(keys.optional, "and"));
@@ -211,14 +211,6 @@ std::vector<Entry> entriesOf(const Material& m) {
 }
 
 }  // namespace
-
-std::span<const std::string_view> materialKeys() {
-  static constexpr std::array<std::string_view, 20> keys = {
-      "law",     "young",      "poisson", "c10",   "c01", "c20",   "c30",
-      "mu",      "alpha",      "c1",      "c2",    "k1",  "k2",    "bulk",
-      "density", "dispersion", "fiber",   "group", "box", "sphere"};
-  return keys;
-}
 
 Material readMaterial(const TomlSection& section) {
   Material m;

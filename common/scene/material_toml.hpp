@@ -1,6 +1,8 @@
 #pragma once
 
-#include <span>
+#include <array>
+#include <string>
+#include <string_view>
 
 #include "common/scene/material.hpp"
 
@@ -10,8 +12,11 @@ namespace palpate {
 
 class TomlSection;
 
-/// Returns the keys that at least one law accepts, and `group`, `box` and `sphere`.
-std::span<const std::string_view> materialKeys();
+/// The keys that at least one law accepts, and `group`, `box` and `sphere`.
+inline constexpr std::array<std::string_view, 20> material_keys = {
+    "law",     "young",      "poisson", "c10",   "c01", "c20",   "c30",
+    "mu",      "alpha",      "c1",      "c2",    "k1",  "k2",    "bulk",
+    "density", "dispersion", "fiber",   "group", "box", "sphere"};
 
 /// Reads and checks a material. Fibre directions are normalised. Error (bad input) for a key that
 /// the law does not accept (the message lists the law's keys), and for every value that

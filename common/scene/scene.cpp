@@ -54,7 +54,7 @@ void readBoxesAndSpheres(const TomlSection& section, Selection& selection) {
 std::vector<Region> readRegions(const TomlSection& root) {
   std::vector<Region> regions;
   if (const toml::node* node = root.find("material")) {
-    const TomlSection section = root.inner("material", *node, materialKeys());
+    const TomlSection section = root.inner("material", *node, material_keys);
     for (const char* key : {"group", "box", "sphere"})
       if (section.has(key))
         throw section.wrong(key, "[material] is the rest of the body; write [[region]] for a part");
@@ -66,7 +66,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
     return regions;
   }
   for (const toml::node& element : root.tables("region", "part of the body")) {
-    const TomlSection section = root.inner("region", element, materialKeys());
+    const TomlSection section = root.inner("region", element, material_keys);
     Region& region = regions.emplace_back();
     region.lines = section.lines();
     region.group = section.optional("group", &TomlSection::text).value_or("");
