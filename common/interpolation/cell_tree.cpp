@@ -53,7 +53,6 @@ void CellTree::addCell(const SpaceTable& space, const LatticeCell& cell, std::si
   if (half == 0 || !isSplit(space.splits, cell)) {
     nodes_[place] = static_cast<std::int32_t>(leaves_.size());
     leaves_.push_back(cell);
-    edge_.push_back(spacing_ / (1 << cell.level));
     return;
   }
   // Append the entries of all eight children before any child appends entries for its own children.

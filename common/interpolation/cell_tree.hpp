@@ -81,7 +81,7 @@ class CellTree {
   /// Returns the corners of a leaf by its index in leaves().
   const LeafCorners& corners(std::int32_t leaf) const { return corners_[at(leaf)]; }
   /// Edge length of a leaf, metres.
-  double edge(std::int32_t leaf) const { return edge_[at(leaf)]; }
+  double edge(std::int32_t leaf) const { return spacing_ / (1 << leaves_[at(leaf)].level); }
   /// All slots, sorted by coordinates.
   const std::vector<CellSlot>& slots() const { return slots_; }
   /// Displacement of a slot, metres.
@@ -122,7 +122,6 @@ class CellTree {
   /// complement of the index of the first child.
   std::vector<std::int32_t> nodes_;
   std::vector<LatticeCell> leaves_;
-  std::vector<double> edge_;
   std::vector<LeafCorners> corners_;
   std::vector<CellSlot> slots_;
   std::vector<std::int32_t> hanging_;
