@@ -87,7 +87,6 @@ class WorkerRegistry {
   Worker* ofProcess(std::uint32_t pid);
   /// Returns null if there is none.
   Worker* find(const std::string& id);
-  Worker& at(const std::string& id) { return workers_.at(id); }
   /// Raises the number of jobs that a worker can take, up to most_credit. The limit prevents a
   /// worker from hoarding jobs.
   void addCredit(Worker& worker, std::uint64_t jobs);

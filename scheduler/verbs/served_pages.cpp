@@ -38,7 +38,7 @@ Number numberOf(const HttpQuery& query, const char* name) {
 }
 
 HttpAnswer jsonAnswer(std::string body) {
-  return {.status = 200, .type = "application/json", .body = std::move(body)};
+  return {.type = "application/json", .body = std::move(body)};
 }
 
 }  // namespace
@@ -91,8 +91,7 @@ StatusBoard::Snapshot ServedPages::snapshot() {
 
 HttpAnswer ServedPages::metrics() {
   const StatusBoard::Snapshot snapshot = this->snapshot();
-  return {.status = 200,
-          .type = "text/plain; version=0.0.4; charset=utf-8",
+  return {.type = "text/plain; version=0.0.4; charset=utf-8",
           .body = metricsOf(*snapshot.status, snapshot.age.count())};
 }
 

@@ -19,8 +19,7 @@ HttpAnswer dashboardPage() {
       "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; "
       "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
       nonce);
-  return {.status = 200,
-          .type = "text/html; charset=utf-8",
+  return {.type = "text/html; charset=utf-8",
           .body = std::move(page),
           .headers = {{"Content-Security-Policy", policy}}};
 }
