@@ -5,7 +5,6 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/file_descriptor.hpp"
 #include "common/base/index.hpp"
 #include "common/base/number_in.hpp"
 
@@ -144,14 +144,12 @@ bool isListenedAt(const std::string& path) {
   address.sun_family = AF_UNIX;
   PALPATE_ASSERT(path.size() < sizeof address.sun_path, "the path must fit into the address");
   path.copy(address.sun_path, path.size());
-  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (probe < 0) throw failure("ipc://{}: cannot check for a listener: {}", path, errnoText());
+  const FileDescriptor probe(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!probe) throw failure("ipc://{}: cannot check for a listener: {}", path, errnoText());
   const bool connected =
-      connect(probe, reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
+      connect(probe.get(), reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
   // EAGAIN means that the listener's queue of pending connections is full.
-  const bool listening = connected || errno == EAGAIN || errno == EACCES;
-  close(probe);
-  return listening;
+  return connected || errno == EAGAIN || errno == EACCES;
 }
 
 /// Refuses an ipc:// path that is in use. Without this check libzmq would remove any file at the
