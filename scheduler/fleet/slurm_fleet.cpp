@@ -27,10 +27,6 @@ int unproven(const SlurmJobs& jobs) {
              jobs.running, [](const Launches::Running& job) { return job.age < Launches::early; }));
 }
 
-std::vector<std::string> idsOf(const std::vector<SlurmJobs::Queued>& jobs) {
-  return mapped(jobs, &SlurmJobs::Queued::id);
-}
-
 std::string reasonsOf(const SlurmJobs& jobs) {
   std::string text;
   for (const auto& [reason, count] : jobs.reasons())
@@ -102,7 +98,7 @@ void SlurmFleet::turn(const std::optional<wire::Status>& status) try {
   if (options_.dry_run) return;
   if (more > 0 && refused_.over(Clock::now())) submit(more);
   if (more < 0) {
-    const std::vector<std::string> ids = idsOf(jobs.queued);
+    const auto ids = mapped(jobs.queued, &SlurmJobs::Queued::id);
     PALPATE_ASSERT(static_cast<std::size_t>(-more) <= ids.size(), "only queued jobs may be ended");
     engine_.cancel({ids.end() + more, ids.end()});
   }
@@ -163,7 +159,7 @@ bool SlurmFleet::cancelUnwanted(const SlurmJobs& jobs, bool nodes_changed) {
                  options_.endpoint);
   // A queued job keeps the list of excluded nodes with which it was submitted.
   if (nodes_changed || launches_.mostUnproven(Clock::now()) == 0)
-    std::ranges::copy(idsOf(jobs.queued), std::back_inserter(ids));
+    std::ranges::transform(jobs.queued, std::back_inserter(ids), &SlurmJobs::Queued::id);
   engine_.cancel(ids);
   return !ids.empty();
 }
