@@ -25,7 +25,7 @@ std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
 }
 
 /// Sends one question and waits for the answer.
-wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
+wire::Message ask(const StateDirectory::Address& scheduler, const wire::Message& question) {
   const std::string& endpoint = scheduler.endpoint;
   constexpr std::chrono::duration<double> patience{5};
   zmq::context_t context;
@@ -56,7 +56,7 @@ wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
 
 /// Asks for the status. Throws Error if `where` is a state directory and the scheduler belongs to
 /// another build.
-wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
+wire::Status askStatus(const StateDirectory::Address& scheduler, const std::string& where) {
   const std::string& endpoint = scheduler.endpoint;
   wire::Message question;
   question.mutable_status_request();
@@ -111,18 +111,16 @@ NotListening::NotListening(const std::string& directory, const std::string& proc
                         "results and cannot answer yet; ask again later",
                         directory, process)) {}
 
-std::optional<Reachable> schedulerOf(const Asked& asked) {
+std::optional<StateDirectory::Address> schedulerOf(const Asked& asked) {
   const std::string& where = asked.where;
   if (where.starts_with("tcp://") || where.starts_with("ipc://"))
-    return Reachable{where, asked.keys.keys()};
+    return StateDirectory::Address{where, asked.keys.keys()};
   if (std::error_code none; !std::filesystem::is_directory(where, none))
     throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
   const auto process = StateDirectory::holder(where);
   if (!process) return std::nullopt;
-  const auto address = StateDirectory::liveAddress(where);
-  if (!address) throw NotListening(where, *process);
-  return Reachable{address->endpoint,
-                   address->keys ? std::optional(KeyFolder(*address->keys)) : std::nullopt};
+  if (auto address = StateDirectory::liveAddress(where)) return address;
+  throw NotListening(where, *process);
 }
 
 wire::Status statusAt(const Asked& asked) {

@@ -5,6 +5,7 @@
 
 #include "common/keys/key_options.hpp"
 #include "common/wire/wire.hpp"
+#include "scheduler/state/state_directory.hpp"
 
 namespace palpate {
 
@@ -15,12 +16,6 @@ struct Asked {
 
   /// Declares WHERE, --keys and --insecure.
   void addTo(CLI::App& app);
-};
-
-/// Address of a scheduler, and the keys to connect with. Without keys, the scheduler requires none.
-struct Reachable {
-  std::string endpoint;
-  std::optional<KeyFolder> keys;
 };
 
 /// Thrown when a process holds the state directory but does not listen yet: it is still reading the
@@ -34,7 +29,7 @@ class NotListening : public Error {
 /// returns the address and keys that its scheduler announced, or none if no scheduler runs. Throws
 /// NotListening if that scheduler does not listen yet, and Error (bad input) if `where` is neither
 /// an endpoint nor a directory.
-std::optional<Reachable> schedulerOf(const Asked& asked);
+std::optional<StateDirectory::Address> schedulerOf(const Asked& asked);
 
 // statusAt() and order() wait 5 s for each answer. They throw Error if no answer comes or if the
 // scheduler refuses the request for this key. They also throw if a scheduler of another build now

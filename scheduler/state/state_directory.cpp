@@ -68,7 +68,7 @@ std::optional<StateDirectory::Address> addressIn(const std::filesystem::path& pa
   std::ifstream file(path);
   StateDirectory::Address address;
   if (!std::getline(file, address.endpoint)) return std::nullopt;
-  if (std::string keys; std::getline(file, keys)) address.keys = keys;
+  if (std::string keys; std::getline(file, keys)) address.keys = KeyFolder(keys);
   return address;
 }
 
@@ -111,7 +111,7 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
 
 void StateDirectory::announce(const Address& address) const {
   std::string text = address.endpoint + '\n';
-  if (address.keys) text += std::filesystem::absolute(*address.keys).string() + '\n';
+  if (address.keys) text += std::filesystem::absolute(address.keys->path()).string() + '\n';
   writeSmallFile(path_ / endpoint_file, text);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/file_descriptor.hpp"
+#include "common/keys/key_folder.hpp"
 
 namespace palpate {
 
@@ -19,11 +20,11 @@ class StateDirectory {
   /// if another scheduler holds the lock.
   explicit StateDirectory(const std::filesystem::path& path);
 
-  /// Endpoint of a scheduler, and the folder with the keys to connect with. Without a folder, the
-  /// scheduler requires no keys.
+  /// Address of a scheduler, and the keys to connect with. Without keys, the scheduler requires
+  /// none.
   struct Address {
     std::string endpoint;
-    std::optional<std::filesystem::path> keys;
+    std::optional<KeyFolder> keys;
   };
   /// Writes the address into the folder atomically, so that `status` and `stop` find it. The
   /// constructor removed the address of an earlier run.

@@ -259,8 +259,7 @@ class ServedBuild {
     auto server =
         std::make_unique<Server>(context, build.problem(), serving_.endpoint, serving_.keys);
     serving_.endpoint = server->endpoint();
-    build.directory().announce(
-        {serving_.endpoint, serving_.keys ? std::optional(serving_.keys->path()) : std::nullopt});
+    build.directory().announce({serving_.endpoint, serving_.keys});
     return server;
   }
 

@@ -423,8 +423,8 @@ TEST(StateDirectory, TellsWhereItsSchedulerListensWhileItRuns) {
     held.announce({"tcp://127.0.0.1:1234", {}});
     EXPECT_EQ(StateDirectory::liveAddress(directory.path())->endpoint, "tcp://127.0.0.1:1234");
     EXPECT_FALSE(StateDirectory::liveAddress(directory.path())->keys);
-    held.announce({"tcp://127.0.0.1:1234", held.keys()});
-    EXPECT_EQ(StateDirectory::liveAddress(directory.path())->keys, held.keys());
+    held.announce({"tcp://127.0.0.1:1234", KeyFolder(held.keys())});
+    EXPECT_EQ(StateDirectory::liveAddress(directory.path())->keys.value().path(), held.keys());
   }
   EXPECT_FALSE(StateDirectory::liveAddress(directory.path()));
 }
