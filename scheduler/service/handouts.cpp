@@ -27,7 +27,7 @@ Handouts::Handouts(ServiceState& state, Workers& workers, const SecondSolves& se
       workers_(workers),
       seconds_(seconds),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
-      seal_(state.tables.secret()),
+      secret_(state.tables.secret()),
       longest_solve_(state.store.longestSolve()) {}
 
 void Handouts::handOut() {
@@ -93,7 +93,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
                    "all transitions of a job must have the same start");
     wire::Target& entry = *job.add_targets();
     *entry.mutable_point() = toWire(key.target);
-    entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));
+    entry.set_lease(leaseSeal({worker.id, key, job.start_id()}, secret_));
     entry.set_steps(is_check ? checks.startOf(key).steps
                              : static_cast<std::uint32_t>(plan.stepsOf(*plan.find(key))));
   }
@@ -109,7 +109,7 @@ std::chrono::seconds Handouts::hungAfter() const {
 }
 
 bool Handouts::asked(const Worker& worker, const wire::Result& result) const {
-  return seal_.isSealOf({worker.id, keyOf(result), result.start_id()}, result.lease());
+  return isLeaseSeal(result.lease(), {worker.id, keyOf(result), result.start_id()}, secret_);
 }
 
 void Handouts::sendProblem(const Worker& worker) {

@@ -22,7 +22,7 @@ class Handouts {
   /// Sends the nodal fields that a job starts from. If workers have left too many bytes of fields
   /// unread (unread_starts), sends nothing; the worker asks again.
   void sendFields(const Worker& worker, const wire::FieldsRequest& request);
-  /// Returns true if the result carries the seal of a lease to this worker (LeaseSeal).
+  /// Returns true if the result carries the seal of a lease to this worker (isLeaseSeal).
   bool asked(const Worker& worker, const wire::Result& result) const;
   /// Notes the duration of a solve, s. A solve that takes far longer than the longest one so far
   /// counts as hung.
@@ -37,7 +37,7 @@ class Handouts {
   Workers& workers_;
   const SecondSolves& seconds_;
   const std::shared_ptr<const std::string> problem_bytes_;
-  LeaseSeal seal_;
+  const std::string secret_;
   UnreadPayloads unread_starts_;
   double longest_solve_;  ///< longest solve of all results, s; 0 before the first result
 };

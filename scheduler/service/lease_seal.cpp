@@ -15,6 +15,7 @@ std::string bytesOfNumber(std::int64_t number) {
 }  // namespace
 
 std::string keyedHash(std::string_view text, std::string_view secret) {
+  startSodium();
   const auto bytes = [](std::string_view of) {
     return reinterpret_cast<const unsigned char*>(of.data());
   };
@@ -32,19 +33,17 @@ std::string bytesOf(const ResultKey& key) {
   return bytes;
 }
 
-LeaseSeal::LeaseSeal(std::string secret) : secret_(std::move(secret)) { startSodium(); }
-
-std::string LeaseSeal::sealOf(const Leased& leased) const {
+std::string leaseSeal(const Leased& leased, std::string_view secret) {
   const auto& [worker, transition, start_id] = leased;
   // The text is unambiguous: only the worker's id and the last part vary in length, and the text
   // includes the length of the id.
   std::string text = bytesOfNumber(std::ssize(worker));
   text.append(worker).append(bytesOf(transition)).append(start_id);
-  return keyedHash(text, secret_);
+  return keyedHash(text, secret);
 }
 
-bool LeaseSeal::isSealOf(const Leased& leased, std::string_view seal) const {
-  const std::string own = sealOf(leased);
+bool isLeaseSeal(std::string_view seal, const Leased& leased, std::string_view secret) {
+  const std::string own = leaseSeal(leased, secret);
   return seal.size() == own.size() && sodium_memcmp(own.data(), seal.data(), own.size()) == 0;
 }
 

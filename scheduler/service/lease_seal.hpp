@@ -20,21 +20,11 @@ struct Leased {
   std::string_view start_id;  ///< wire::Job.start_id
 };
 
-/// Proves that this build leased a transition to a worker. The proof also holds after a restart of
-/// the scheduler, which stores no list of its leases. It is a message authentication code (keyed
-/// BLAKE2b) over worker, transition and start; nobody can make it without the secret. One thread at
-/// a time.
-class LeaseSeal {
- public:
-  /// `secret` has 16 to 64 bytes.
-  explicit LeaseSeal(std::string secret);
-
-  /// Returns the proof for a lease (wire::Target.lease), 16 bytes.
-  std::string sealOf(const Leased& leased) const;
-  bool isSealOf(const Leased& leased, std::string_view seal) const;
-
- private:
-  std::string secret_;
-};
+/// Returns the proof that this build leased a transition to a worker (wire::Target.lease), 16
+/// bytes. The proof also holds after a restart of the scheduler, which stores no list of its
+/// leases. It is a message authentication code (keyed BLAKE2b) over worker, transition and start;
+/// nobody can make it without the secret of 16 to 64 bytes.
+std::string leaseSeal(const Leased& leased, std::string_view secret);
+bool isLeaseSeal(std::string_view seal, const Leased& leased, std::string_view secret);
 
 }  // namespace palpate

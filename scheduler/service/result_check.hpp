@@ -19,7 +19,7 @@ class ResultCheck {
     Outcome outcome;        ///< decoded, without nodal fields; valid if there is no objection
   };
   /// Judges a result, which must have been computed with `kernel_family`. Does not judge whether
-  /// the transition was asked for (the plans know) or from which worker (LeaseSeal knows).
+  /// the transition was asked for (the plans know) or from which worker (isLeaseSeal knows).
   ///
   /// An equilibrium must satisfy:
   /// - all numbers are finite;

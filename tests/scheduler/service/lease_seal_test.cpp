@@ -6,34 +6,33 @@ namespace palpate {
 namespace {
 
 const ResultKey transition = {1, {2, 3, 4}, {2, 3, 3}};
+constexpr std::string_view secret = "32 bytes that nobody else knows.";
 
 TEST(LeaseSeal, IsValidForOneWorkerTransitionAndStart) {
-  const LeaseSeal seal(std::string(32, 's'));
   const Leased leased{"worker", transition, "start"};
-  const std::string text = seal.sealOf(leased);
-  EXPECT_TRUE(seal.isSealOf(leased, text));
-  EXPECT_TRUE(LeaseSeal(std::string(32, 's')).isSealOf(leased, text)) << "after a restart too";
-  EXPECT_FALSE(LeaseSeal(std::string(32, 't')).isSealOf(leased, text));
+  const std::string text = leaseSeal(leased, secret);
+  EXPECT_TRUE(isLeaseSeal(text, leased, secret));
+  EXPECT_TRUE(isLeaseSeal(text, leased, std::string(secret))) << "after a restart too";
+  EXPECT_FALSE(isLeaseSeal(text, leased, std::string(32, 't')));
 
   ResultKey other = transition;
   other.space = 0;
-  EXPECT_FALSE(seal.isSealOf({"worker", other, "start"}, text));
+  EXPECT_FALSE(isLeaseSeal(text, {"worker", other, "start"}, secret));
   other = transition;
   other.target[0] += 1;
-  EXPECT_FALSE(seal.isSealOf({"worker", other, "start"}, text));
-  EXPECT_FALSE(seal.isSealOf({"another", transition, "start"}, text));
-  EXPECT_FALSE(seal.isSealOf({"worker", transition, ""}, text));
-  EXPECT_FALSE(seal.isSealOf({"workers", transition, "tart"}, text));
+  EXPECT_FALSE(isLeaseSeal(text, {"worker", other, "start"}, secret));
+  EXPECT_FALSE(isLeaseSeal(text, {"another", transition, "start"}, secret));
+  EXPECT_FALSE(isLeaseSeal(text, {"worker", transition, ""}, secret));
+  EXPECT_FALSE(isLeaseSeal(text, {"workers", transition, "tart"}, secret));
 }
 
 TEST(LeaseSeal, OtherBytesAreInvalid) {
-  const LeaseSeal seal(std::string(32, 's'));
   const Leased leased{"worker", transition, "start"};
-  std::string flipped = seal.sealOf(leased);
+  std::string flipped = leaseSeal(leased, secret);
   flipped[3] = static_cast<char>(flipped[3] ^ 1);
-  EXPECT_FALSE(seal.isSealOf(leased, flipped));
-  EXPECT_FALSE(seal.isSealOf(leased, ""));
-  EXPECT_FALSE(seal.isSealOf(leased, seal.sealOf(leased) + "x"));
+  EXPECT_FALSE(isLeaseSeal(flipped, leased, secret));
+  EXPECT_FALSE(isLeaseSeal("", leased, secret));
+  EXPECT_FALSE(isLeaseSeal(leaseSeal(leased, secret) + "x", leased, secret));
 }
 
 }  // namespace
