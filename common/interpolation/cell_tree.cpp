@@ -95,8 +95,7 @@ void CellTree::makeSlots(const SpaceTable& space) {
         std::lower_bound(points.begin(), points.end(), point) - points.begin());
   });
   const auto level = [this](std::int32_t slot) { return leaves_[at(slots_[at(slot)].leaf)].level; };
-  std::ranges::stable_sort(hanging_,
-                           [&](std::int32_t a, std::int32_t b) { return level(a) < level(b); });
+  std::ranges::stable_sort(hanging_, {}, level);
 }
 
 /// Makes a slot hanging in the coarsest of the up to eight leaves that touch it, unless it is a

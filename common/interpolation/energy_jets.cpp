@@ -54,9 +54,8 @@ class Fitter {
 
   /// Fits the polynomial of a ghost to the nearest solved points.
   LocalPolynomial extrapolate(std::size_t slot) {
-    std::vector<Candidate> candidates;
-    for (const std::int32_t number : solved_)
-      candidates.push_back(candidate(tree_.slots()[slot].point, number));
+    std::vector<Candidate> candidates = mapped(
+        solved_, [&](std::int32_t number) { return candidate(tree_.slots()[slot].point, number); });
     const Candidate nearest = *std::ranges::min_element(candidates);
     std::erase_if(candidates, [&](const Candidate& c) {
       return static_cast<double>(c.distance) >

@@ -128,9 +128,7 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
       std::ranges::sort(t);
       faces.push_back({t, e, f, even});
     }
-  std::ranges::sort(faces, [](const Face& a, const Face& b) {
-    return std::tie(a.sorted, a.element) < std::tie(b.sorted, b.element);
-  });
+  std::ranges::sort(faces, {}, [](const Face& f) { return std::tie(f.sorted, f.element); });
   return faces;
 }
 

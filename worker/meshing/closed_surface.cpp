@@ -44,9 +44,7 @@ std::vector<Side> sidesOf(const std::vector<Triangle>& triangles) {
       const std::int32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
       sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), a < b});
     }
-  std::ranges::sort(sides, [](const Side& a, const Side& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
+  std::ranges::sort(sides, {}, [](const Side& s) { return std::tie(s.low, s.high, s.triangle); });
   return sides;
 }
 
