@@ -26,7 +26,7 @@ struct Fates {
 bool ended(const SpacePlan& plan, std::int32_t n) {
   const Tag tag = plan.points().tag(n);
   return tag == Tag::terminating || tag == Tag::failed ||
-         (tag == Tag::unknown && !plan.attempts(n).empty());
+         (tag == Tag::unknown && !plan.points().attempts(n).empty());
 }
 
 void count(const SpacePlan& plan, Fates& fates) {
@@ -74,7 +74,7 @@ class Sample {
     const std::int32_t size = plan.positions().uniformSize();
     for (; next_ < size; next_ += every_) {
       const auto n = static_cast<std::int32_t>(next_);
-      if (plan.points().tag(n) == Tag::unknown && plan.attempts(n).empty())
+      if (plan.points().tag(n) == Tag::unknown && plan.points().attempts(n).empty())
         expected += static_cast<double>(every_) * chanceOf(plan, n, share);
     }
     next_ -= size;

@@ -61,20 +61,20 @@ class PlanRows : public SpaceRows {
   const Lattice& lattice() const override { return plan_.positions(); }
   const std::vector<LatticeCell>& splits() const override { return plan_.splits(); }
   std::int32_t points() const override { return plan_.endOfPoints(); }
-  PointRecord point(std::int32_t n) const override { return plan_.point(n); }
+  PointRecord point(std::int32_t n) const override { return plan_.points().record(n); }
   Tag tag(std::int32_t n) const override { return plan_.points().tag(n); }
   const ToolEquilibrium* equilibrium(std::int32_t n) const override {
     return isSolved(tag(n)) ? &plan_.points().equilibrium(n) : nullptr;
   }
   void eachAttempt(const VisitAttempt& visit) const override {
     for (std::int32_t n = 0; n < points(); ++n)
-      for (const FailedAttempt& attempt : plan_.attempts(n)) visit(attempt);
+      for (const FailedAttempt& attempt : plan_.points().attempts(n)) visit(attempt);
   }
   std::int32_t probes() const override { return plan_.size() - plan_.endOfPoints(); }
   Probe probe(std::int32_t n) const override {
     PALPATE_ASSERT(n >= 0 && n < probes(), "the number of the probe must exist");
     const std::int32_t number = points() + n;
-    return {lattice().displacement(number), plan_.point(number)};
+    return {lattice().displacement(number), point(number)};
   }
 
  private:
@@ -138,8 +138,8 @@ bool SpacePlan::isRecorded(const Transition& transition) const {
   const auto& [target, parent] = transition;
   if (target < 0 || target >= size()) return false;
   return (isSolved(points_.tag(target)) && points_.parent(target) == parent) ||
-         std::ranges::find(attempts(target), parent, &FailedAttempt::parent) !=
-             attempts(target).end() ||
+         std::ranges::find(points_.attempts(target), parent, &FailedAttempt::parent) !=
+             points_.attempts(target).end() ||
          passed_over_.contains(transition);
 }
 
@@ -207,7 +207,7 @@ void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, b
 /// attempt), because that one says most about the obstacle.
 void SpacePlan::giveUp(std::int32_t target) {
   PALPATE_ASSERT(!isSolved(points_.tag(target)), "a solved point must not be marked as failed");
-  const std::vector<FailedAttempt>& tries = attempts(target);
+  const std::vector<FailedAttempt>& tries = points_.attempts(target);
   if (tries.empty()) return points_.fail(target, Cause::unreachable);
   const auto furthest = std::ranges::max_element(
       tries, {}, [](const FailedAttempt& attempt) { return attempt.failure.step_reached; });

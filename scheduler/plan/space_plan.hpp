@@ -94,11 +94,6 @@ class SpacePlan {
   std::int32_t endOfPoints() const { return first_probe_ < 0 ? size() : first_probe_; }
   /// Recorded results of points and probes. A point is failed once no further attempt will be made.
   const CompactPoints& points() const { return points_; }
-  PointRecord point(std::int32_t number) const { return points_.record(number); }
-  /// Failed attempts in the order in which they were made.
-  const std::vector<FailedAttempt>& attempts(std::int32_t number) const {
-    return points_.attempts(number);
-  }
 
   const ActivePatch& patch() const { return problem_->active[space_]; }
   const std::vector<LatticeCell>& splits() const { return splits_; }

@@ -176,7 +176,7 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
   std::vector<ResultKey> keys;
   for (const SpacePlan& plan : plans)
     for (std::int32_t n = 0; n < plan.size(); ++n)
-      for (const FailedAttempt& attempt : plan.attempts(n))
+      for (const FailedAttempt& attempt : plan.points().attempts(n))
         if (attempt.failure.cause == cause) keys.push_back(plan.keyOf({n, attempt.parent}));
   return keys;
 }

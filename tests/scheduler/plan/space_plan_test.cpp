@@ -155,7 +155,7 @@ TEST_F(SpacePlanTest, APointOnAnotherBranchIsSolvedFromItsNeighboursAndTheLeastE
     return solve(at, transition);
   });
   EXPECT_TRUE(in_steps);
-  EXPECT_EQ(plan.point(number).equilibrium.energy,
+  EXPECT_EQ(plan.points().record(number).equilibrium.energy,
             test::StiffeningEnergy().energy(plan.positions().displacement(number)));
   EXPECT_THAT(inconsistentEdges(plan.table()), IsEmpty());
 }

@@ -294,7 +294,7 @@ TEST_F(CoordinatorTest, RecordsAndAcknowledgesAResultThatEndedAtALimitPoint) {
   world.pass(25ms);
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
   EXPECT_EQ(world.counter("bad_messages"), 0);
-  EXPECT_EQ(world.coordinator().plans()[0].point(0).cause, Cause::limit_point);
+  EXPECT_EQ(world.coordinator().plans()[0].points().record(0).cause, Cause::limit_point);
 }
 
 TEST_F(CoordinatorTest, CountsInvalidMessages) {

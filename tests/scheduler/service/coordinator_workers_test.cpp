@@ -319,7 +319,7 @@ TEST_F(SetAsideTest, OtherTargetsContinueAndNothingIsSealedWithoutIt) {
   finishTheRest();
   EXPECT_FALSE(world.coordinator().complete());
   EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
-  EXPECT_EQ(world.coordinator().plans()[0].point(0).tag, Tag::unknown);
+  EXPECT_EQ(world.coordinator().plans()[0].points().record(0).tag, Tag::unknown);
   EXPECT_TRUE(world.coordinator().plans()[1].complete());
 }
 
