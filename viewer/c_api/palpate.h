@@ -193,10 +193,10 @@ typedef struct palpate_sample {
   double energy;       /* J, stored in the tissue; NaN if the method has none */
   /* N, bound on the error of the force, estimated to hold at 99 % of places; NaN: unknown */
   double error_bound;
-  /* 0..1. 1: interpolated from solved equilibria of one solution branch only; 0: extrapolated */
+  /* 0..1. 1: interpolated from solved equilibria of one branch only; 0: extrapolated. See inside */
   double coverage;
   /* 1: the displacement is in the solved region. 0: the sample is an extrapolation. Beyond the
-   * solved region its force is that of a wall that only gets stiffer */
+   * solved region, force is that of a wall that only gets stiffer, coverage that of its edge */
   int32_t inside;
   int32_t reserved; /* 0 */
 } palpate_sample;
