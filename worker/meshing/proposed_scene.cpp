@@ -204,7 +204,7 @@ c01 = {:.1f}                         # Pa
 name = "skin"
 surface = "all"                      # or {{ box = ... }}, {{ sphere = ... }}, {{ group = ... }}
 tool = "finger"
-radius = {:.4g}{}# {}: radius of the finger, at least one edge of the mesh
+radius = {:.4g}{}# {}: radius of the finger: that of the contact, but at least one edge of the mesh, better two
 
 [workspace]                          # how far the finger pushes, and how finely that is computed
 radius = {:.4g}{}# {}: largest displacement; thick parts reach the largest force of the device earlier
