@@ -30,8 +30,8 @@ const std::vector<std::pair<std::string, Words>> programs = {
     {"palpate-viewer", {"touch", "doctor", "view", "device"}}};
 
 constexpr const char* overview =
-    R"(Feel a nonlinear soft body at 1 kHz: Palpate computes the equilibrium of the body in advance for a
-lattice of positions of one displaced surface node, and answers with forces interpolated from them.
+    R"(Feel a nonlinear soft body at 1 kHz: Palpate solves equilibria in advance, for many
+displacements of a finger anywhere on its surface, a patch or a node, and interpolates their forces.
 
 Usage: palpate VERB [ARGUMENTS]        palpate VERB --help prints the options of a verb
 
@@ -42,7 +42,7 @@ From a mesh to forces
   check    Validate a scene; print sizes, mesh quality, warnings and the cost of a build
   build    Compute the dataset of a scene on this machine; continues after an interruption
   query    Print force, stiffness and error bound at any displacement, from a dataset
-  view     Touch a dataset: the haptic client, with a virtual hand if there is no device
+  view     Touch a dataset: the haptic client, with the mouse, a haptic device or a virtual hand
   share    Write a dataset as one HTML page that can be touched by mouse or finger
   export   Write deformed bodies for ParaView and others, and force curves as CSV
   solve    Solve exactly at given displacements, without scheduler and dataset
@@ -74,8 +74,8 @@ How far to trust it
 
 At once, from a closed surface organ.stl:
   palpate touch organ.stl
-In five minutes, with a dataset:
-  palpate mesh organ.stl -o organ.msh
+With a dataset (for a kidney, 4 minutes on two cores; 20 with the default of 1000 nodes):
+  palpate mesh organ.stl -o organ.msh --nodes 500
   palpate new organ --mesh organ.msh
   palpate check organ/scene.toml
   palpate build organ/scene.toml -o organ.h5
