@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 constexpr auto tell_every = 1s;
 constexpr auto call_every = 50ms;
 
-bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
+bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile, bool log) {
   std::stop_source stop;
   const auto look = [&] {
     if (meanwhile && !meanwhile(model, model.preparedShare(0))) stop.request_stop();
@@ -29,7 +29,7 @@ bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanw
   auto tell = std::chrono::steady_clock::now() + tell_every;
   while (prepared.wait_for(call_every) != std::future_status::ready) {
     look();
-    if (std::chrono::steady_clock::now() < tell) continue;
+    if (!log || std::chrono::steady_clock::now() < tell) continue;
     tell += tell_every;
     spdlog::info("{}: preparing {}, {:.0f} % of {}", model.file(), model.methods()[0],
                  100 * model.preparedShare(0), counted(model.spaces().size(), "space"));
@@ -50,15 +50,15 @@ LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
     // Take the identity before reading the file, so that a replacement during the read is noticed.
     identities_.push_back(identityOf(file));
     const Dataset dataset(file);
-    warnIfPartial(dataset);
+    if (!options.guess) warnIfPartial(dataset);
     models_.push_back(std::make_unique<HapticModel>(dataset, unprepared));
     if (!device_ && dataset.scene().device) device_ = dataset.scene().device->profile;
   }
 }
 
-bool LoadedModels::prepareFirst(const Meanwhile& meanwhile) {
+bool LoadedModels::prepareFirst(const Meanwhile& meanwhile, bool log) {
   return std::ranges::all_of(
-      models_, [&](const auto& model) { return prepareFirstMethod(*model, meanwhile); });
+      models_, [&](const auto& model) { return prepareFirstMethod(*model, meanwhile, log); });
 }
 
 void LoadedModels::prepareTheRest() {
@@ -80,17 +80,20 @@ void LoadedModels::prepareTheRest() {
   });
 }
 
-ModelsReload::ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options) {
+ModelsReload::ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options,
+                           const IsWanted& isWanted) {
   options.stop = stop_.get_token();
-  whole_ = std::async(std::launch::async, [this, files = std::move(files), options] {
+  whole_ = std::async(std::launch::async, [this, files = std::move(files), options, isWanted] {
     giveWay();
     auto models = std::make_unique<LoadedModels>(files, options);
+    if (isWanted && !isWanted(*models)) return std::unique_ptr<LoadedModels>();
     const std::vector<const HapticModel*> all = models->pointers();
-    models->prepareFirst([&](const HapticModel& model, double share) {
+    const auto meanwhile = [&](const HapticModel& model, double share) {
       const auto done = std::ranges::find(all, &model) - all.begin();
       share_ = (static_cast<double>(done) + share) / static_cast<double>(all.size());
       return !options.stop.stop_requested();
-    });
+    };
+    models->prepareFirst(meanwhile, /*log=*/false);
     return models;
   });
 }

@@ -26,9 +26,9 @@ class LoadedModels {
   /// Reads the files without preparing any method. Throws the errors of Dataset and HapticModel.
   LoadedModels(std::vector<std::filesystem::path> files, const HapticModelOptions& options);
 
-  /// Prepares the first method of each dataset on all cores, and logs the progress once a second.
-  /// Returns false if `meanwhile` stopped the preparation.
-  bool prepareFirst(const Meanwhile& meanwhile = {});
+  /// Prepares the first method of each dataset on all cores. Returns false if `meanwhile` stopped
+  /// the preparation. log: whether to log the progress once a second.
+  bool prepareFirst(const Meanwhile& meanwhile = {}, bool log = true);
   /// Prepares the pressures (if requested) and then the other methods, on a thread of lowest
   /// priority.
   void prepareTheRest();
@@ -59,7 +59,10 @@ class LoadedModels {
 /// priority, while the haptic loop continues to run. Belongs to one thread.
 class ModelsReload {
  public:
-  ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options);
+  /// isWanted: decides whether to prepare the models that were read.
+  using IsWanted = std::function<bool(const LoadedModels&)>;
+  ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options,
+               const IsWanted& isWanted = {});
   /// Stops the thread and waits until it has ended: tens of milliseconds, or longer while a file is
   /// being opened.
   ~ModelsReload();
@@ -68,7 +71,8 @@ class ModelsReload {
   }
   /// Returns the progress of the preparation of all forces, 0 to 1.
   double share() const { return share_; }
-  /// Returns the models. Call once, and only when ended(). Throws the errors of LoadedModels.
+  /// Returns the models; null if they are not wanted. Call once, and only when ended(). Throws the
+  /// errors of LoadedModels.
   std::unique_ptr<LoadedModels> take() {
     PALPATE_ASSERT(whole_.valid(), "the result of a reload must be taken only once");
     return whole_.get();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <map>
 #include <ostream>
 #include <thread>
 #include <utility>
@@ -19,8 +20,8 @@
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
 #include "viewer/live/build_beside.hpp"
-#include "viewer/live/guessed_dataset.hpp"
 #include "viewer/live/live_link.hpp"
+#include "viewer/live/unsolved_dataset.hpp"
 #include "viewer/loaded_models.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/view_command.hpp"
@@ -32,6 +33,12 @@ constexpr double frames_per_second = 60, video_frames_per_second = 30;
 constexpr auto headless_pause = std::chrono::milliseconds(20);
 constexpr auto look_every = std::chrono::milliseconds(500);  // interval for checking files,
                                                              // problems and statistics
+/// Shortest time between two replacements of the forces by newer results of the build, as a
+/// multiple of the time that a replacement takes.
+constexpr int rest_of_growth = 4;
+/// Number of unfinished sites around the finger that the build computes first. The force at a place
+/// depends on about so many sites.
+constexpr std::size_t preferred_sites = 12;
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
@@ -91,12 +98,14 @@ class ViewSession {
       throw;
     }
     reload_.reset();
+    growth_.reset();
     finish(output);
     return interrupted() ? ExitCode::interrupted : ExitCode::done;
   }
 
  private:
-  /// Puts a guess in the place of a scene, which is then solved around the hand.
+  /// Puts a dataset without solutions in the place of a scene, which is then solved around the
+  /// hand.
   ViewOptions resolved(ViewOptions options) {
     std::filesystem::path& first = options.datasets.front();
     if (first.extension() != ".toml") return options;
@@ -105,8 +114,8 @@ class ViewSession {
                      options.live.string(), first.string());
     followed_ = loadProblem(first);
     scene_ = first;
-    guess_.emplace(*followed_);
-    options.live = std::exchange(first, guess_->file());
+    unsolved_.emplace(*followed_);
+    options.live = std::exchange(first, unsolved_->file());
     return options;
   }
 
@@ -123,6 +132,7 @@ class ViewSession {
     if (!steered) model_options.methods.clear();
     model_options.methods.insert(model_options.methods.begin(), options_.method);
     model_options.pressures = steered;
+    model_options.guess = unsolved_.has_value();
     return model_options;
   }
 
@@ -162,10 +172,10 @@ class ViewSession {
   /// Starts to follow the hand. Throws the errors of followedRadius().
   void startLive() {
     const HapticModel& model = loaded_->first();
-    if (!guess_) followed_ = loadProblem(options_.live);
+    if (!unsolved_) followed_ = loadProblem(options_.live);
     build_id_ = problemId(*followed_);
-    live_build_ = guess_ ? model.buildId() : build_id_;
-    live_.emplace(followedRadius(model, live_build_), guess_.has_value());
+    live_build_ = unsolved_ ? model.buildId() : build_id_;
+    live_.emplace(followedRadius(model, live_build_));
     LiveLinkOptions link_options = {encodeProblem(*followed_), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
     followed_.reset();
@@ -252,6 +262,7 @@ class ViewSession {
     while (!over() && (!loop_ || loop_->running())) {
       drainRecording();
       look();
+      followReload();
       if (!picture_) {
         std::this_thread::sleep_for(headless_pause);
         continue;
@@ -285,16 +296,18 @@ class ViewSession {
     said_ = status_.trouble;
     if (loop_) status_.loop = loop_->statistics();
     doubtPosition();
+    if (retired_ && isRetiredUnused()) retired_.reset();
     if (build_) lookAtBuild();
+    // The build itself replaces the results so far.
+    const bool grows = unsolved_ && options_.datasets.front() != options_.build;
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
-    if (!replaced || !status_.notice.empty()) return;
+    if (grows || !replaced || !status_.notice.empty()) return;
     status_.notice = fmt::format("{} was replaced; the old dataset is used until you reload",
                                  replaced->string());
     spdlog::warn("{}", status_.notice);
   }
 
-  /// Prefers the site nearest to the finger, and loads the dataset once it is complete. A recording
-  /// keeps the datasets with which it began.
+  /// Prefers the unfinished site nearest to the finger, and takes over what the build has found.
   void lookAtBuild() {
     if (const std::optional<int> code = build_->exitCode()) {
       const bool complete = *code == 0 || *code == 3;
@@ -304,15 +317,45 @@ class ViewSession {
       build_.reset();
       if (!complete) return;
       spdlog::info("{} is complete", options_.build.string());
-      options_.datasets = {options_.build};
-      if (picture_) reload();
-      return;
+      return growTo(options_.build);
     }
+    if (const auto results = build_->takeResults())
+      growTo(*results);
+    else if (!growth_ && std::chrono::steady_clock::now() >= next_growth_)
+      build_->askForResults();
+    preferUnfinished();
+  }
+
+  /// Prefers the unfinished sites around the finger, the nearest one first.
+  void preferUnfinished() {
     const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
     if (!touch.touching) return;
-    const std::vector<SpaceTable>& spaces = loaded_->first().spaces();
-    const auto all = countUp<std::size_t>(spaces.size());
-    build_->prefer(spaces[nearestSite(spaces, all, touch.anchor_position)].patch.name);
+    const HapticModel& model = loaded_->first();
+    std::map<double, std::string> unfinished;  // by distance
+    for (std::size_t s = 0; s < model.spaces().size(); ++s) {
+      const ActivePatch& site = model.spaces()[s].patch;
+      if (model.isGuess(s))
+        unfinished[(site.finger->center - touch.anchor_position).norm()] = site.name;
+    }
+    std::vector<std::string> nearest;
+    for (const auto& [distance, name] : unfinished)
+      if (nearest.size() < preferred_sites) nearest.push_back(name);
+    build_->prefer(std::move(nearest));
+  }
+
+  /// Starts to load newer results of the build.
+  void growTo(const std::filesystem::path& dataset) {
+    options_.datasets.front() = dataset;
+    growth_began_ = std::chrono::steady_clock::now();
+    const auto unfinished = [](const HapticModel& model) {
+      std::size_t count = 0;
+      for (std::size_t s = 0; s < model.spaces().size(); ++s) count += model.isGuess(s);
+      return count;
+    };
+    const std::size_t before = unfinished(loaded_->first());
+    growth_ = std::make_unique<ModelsReload>(
+        options_.datasets, modelOptions(),
+        [=](const LoadedModels& models) { return unfinished(models.first()) < before; });
   }
 
   /// Warns if the positions of the device seem to be in millimetres. The tool would then never come
@@ -345,20 +388,13 @@ class ViewSession {
   }
 
   void obey(const PictureRequests& requests) {
-    // If there is no loop, no other thread uses the tick.
-    const auto command = [&](const HapticCommand& what) {
-      if (loop_)
-        loop_->command(what);
-      else
-        tick_->obey(what);
-    };
     if (requests.use)
       command({HapticCommand::Kind::use, requests.use->model, requests.use->method});
     if (requests.release) command({HapticCommand::Kind::release});
     if (requests.tool) device_->moveTo(*requests.tool);
     if (requests.pause && !stepped()) loop_ ? endLoop() : startLoop();
     if (requests.reload) reload();
-    followReload();
+    if (stepped()) followReload();
     quit_ = quit_ || requests.quit;
   }
 
@@ -370,9 +406,10 @@ class ViewSession {
       reload_ = std::make_unique<ModelsReload>(options_.datasets, modelOptions());
   }
 
-  /// Switches to the reloaded datasets as soon as they are ready. If the reload failed, the old
-  /// ones stay in use.
+  /// Switches to reloaded datasets as soon as they are ready. If the reload failed, the old ones
+  /// stay in use.
   void followReload() {
+    followGrowth();
     if (!reload_) return;
     status_.notice =
         fmt::format("reloading: {:.0f} % of the forces are prepared", 100 * reload_->share());
@@ -391,6 +428,48 @@ class ViewSession {
     spdlog::info("reloaded");
   }
 
+  /// Replaces the models while the loop runs and the picture stays open.
+  void followGrowth() {
+    if (!growth_ || !growth_->ended()) return;
+    const auto now = std::chrono::steady_clock::now();
+    next_growth_ = now + rest_of_growth * (now - growth_began_);
+    const auto ended = std::move(growth_);
+    try {
+      if (auto fresh = ended->take()) replaceModels(std::move(fresh));
+    } catch (const std::exception& error) {
+      spdlog::warn("cannot use the results of the build so far: {}", error.what());
+    }
+  }
+
+  void replaceModels(std::unique_ptr<LoadedModels> fresh) {
+    const std::vector<const HapticModel*> models = fresh->pointers();
+    for (std::size_t n = 0; n < models.size(); ++n)
+      command({.kind = HapticCommand::Kind::replace,
+               .model = static_cast<std::int32_t>(n),
+               .replacement = models[n]});
+    if (picture_) picture_->replace(models);
+    retired_ = std::exchange(loaded_, std::move(fresh));
+    retired_tick_ = loop_ ? loop_->latest().tick : 0;
+    if (loaded_->first().buildId() == build_id_) live_build_ = build_id_;
+    loaded_->prepareTheRest();
+    const std::vector<SpaceTable>& spaces = loaded_->first().spaces();
+    std::size_t finished = 0;
+    for (std::size_t s = 0; s < spaces.size(); ++s) finished += !loaded_->first().isGuess(s);
+    spdlog::info("{} of {} can be felt as computed", finished, counted(spaces.size(), "site"));
+  }
+
+  /// Returns whether the loop has carried out the replacement. The tick after the last one that was
+  /// known when the command was sent may have begun before; the next one has not.
+  bool isRetiredUnused() const { return !loop_ || loop_->latest().tick >= retired_tick_ + 2; }
+
+  /// Sends a command to the haptic thread; without a loop, no other thread uses the tick.
+  void command(const HapticCommand& what) {
+    if (loop_)
+      loop_->command(what);
+    else
+      tick_->obey(what);
+  }
+
   void change(std::unique_ptr<LoadedModels> fresh) {
     PALPATE_ASSERT(fresh, "a reload must have a result");
     const bool ran = loop_ != nullptr;
@@ -400,10 +479,6 @@ class ViewSession {
     // Destroy the old models last, because their preparation may still run.
     const auto old = std::exchange(loaded_, std::move(fresh));
     openPicture();
-    if (live_ && loaded_->first().buildId() == build_id_) {
-      live_->replaceGuess();
-      live_build_ = build_id_;
-    }
     makeTick();
     if (!stepped()) loaded_->prepareTheRest();
     if (ran) startLoop();
@@ -452,17 +527,20 @@ class ViewSession {
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
 
-  std::optional<Problem> followed_;      ///< of the scene, until the live solver has it
-  std::optional<GuessedDataset> guess_;  ///< if the user gave a scene
-  std::filesystem::path scene_;          ///< file of that scene
+  std::optional<Problem> followed_;          ///< of the scene, until the live solver has it
+  std::optional<UnsolvedDataset> unsolved_;  ///< if the user gave a scene
+  std::filesystem::path scene_;              ///< file of that scene
   ViewOptions options_;
   std::unique_ptr<LoadedModels> loaded_;
+  /// Old models that the loop may still use, and the last tick before their replacement.
+  std::unique_ptr<LoadedModels> retired_;
+  std::uint64_t retired_tick_ = 0;
   std::optional<VideoFrames> video_;
   std::unique_ptr<Picture> picture_;  ///< null if headless
   std::unique_ptr<HapticDevice> device_;
   std::optional<LiveTouch> live_;  ///< with --live
   ContentId build_id_;             ///< problemId of the scene that is followed
-  ContentId live_build_;           ///< build_id_, or that of the guess that stands for a dataset
+  ContentId live_build_;           ///< build_id_, or that of the dataset without solutions
   std::optional<LiveLink> link_;
   std::optional<BuildBeside> build_;
   std::unique_ptr<HapticTick> tick_;
@@ -476,6 +554,8 @@ class ViewSession {
   bool doubted_ = false;                  ///< whether the warning about the position of the hand
                                           ///< was given
   std::unique_ptr<ModelsReload> reload_;  ///< not null while datasets are reloaded
+  std::unique_ptr<ModelsReload> growth_;  ///< not null while results of the build are loaded
+  std::chrono::steady_clock::time_point growth_began_, next_growth_;
   bool quit_ = false;
 };
 

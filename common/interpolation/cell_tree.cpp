@@ -29,8 +29,7 @@ CellTree::CellTree(const SpaceTable& space)
       spacing_(space.lattice.spacing()),
       divisions_(space.lattice.divisions()),
       extent_(cellsPerRadius(space.lattice)) {
-  if (std::ranges::none_of(space.points,
-                           [](const PointRecord& point) { return isSolved(point.tag); }))
+  if (!hasSolvedPoint(space))
     throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
                   space.patch.name);
   PALPATE_ASSERT(space.points.size() == at(space.lattice.size()),

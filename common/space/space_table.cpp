@@ -90,6 +90,11 @@ SpaceTable tableOf(const SpaceRows& rows) {
   return table;
 }
 
+bool hasSolvedPoint(const SpaceTable& space) {
+  return std::ranges::any_of(space.points,
+                             [](const PointRecord& point) { return isSolved(point.tag); });
+}
+
 double largestForce(const SpaceTable& space) {
   double largest = 0;
   for (const PointRecord& point : space.points)

@@ -113,6 +113,9 @@ SpaceTable tableOf(const SpaceRows& rows);
 /// interpolates it is wrong in the whole cell.
 inline constexpr double largest_force_share = 3;
 
+/// Returns whether any point of the space is solved. In a partial dataset there may be none.
+bool hasSolvedPoint(const SpaceTable& space);
+
 /// Returns the largest force of the solved points, N.
 double largestForce(const SpaceTable& space);
 

@@ -5,8 +5,8 @@
 #include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
 #include "common/keys/key_options.hpp"
-#include "viewer/live/guessed_dataset.hpp"
 #include "viewer/live/live_link.hpp"
+#include "viewer/live/unsolved_dataset.hpp"
 
 namespace palpate {
 namespace {
@@ -35,9 +35,9 @@ class LinkedService final : public LiveService {
  public:
   LinkedService(const LiveRequest& request, const Problem& problem)
       : build_(problemId(problem)), options_(linkOptions(problem, request)) {
-    if (request.guess) guess_.emplace(problem);
+    if (request.unsolved) unsolved_.emplace(problem);
   }
-  std::string guess() const override { return guess_ ? guess_->file().string() : ""; }
+  std::string unsolved() const override { return unsolved_ ? unsolved_->file().string() : ""; }
   ContentId build() const override { return build_; }
   void start(LiveTouch& touch) override {
     link_.emplace(touch, std::move(options_));
@@ -51,7 +51,7 @@ class LinkedService final : public LiveService {
  private:
   ContentId build_;
   LiveLinkOptions options_;
-  std::optional<GuessedDataset> guess_;
+  std::optional<UnsolvedDataset> unsolved_;
   std::optional<LiveLink> link_;
 };
 

@@ -9,7 +9,7 @@ namespace palpate {
 /// What palpate_live_start asks for. Pointers are NULL as in palpate_live_options.
 struct LiveRequest {
   const char* scene;
-  bool guess;  ///< no dataset is given
+  bool unsolved;  ///< no dataset is given
   const char *worker, *follower, *keys;
 };
 
@@ -19,9 +19,9 @@ struct LiveRequest {
 class LiveService {
  public:
   virtual ~LiveService() = default;  ///< ends the live solver
-  /// Returns the file of the guessed dataset, which exists as long as this object; "" without
-  /// guess.
-  virtual std::string guess() const = 0;
+  /// Returns the file of the UnsolvedDataset, which exists as long as this object; "" if a dataset
+  /// was given.
+  virtual std::string unsolved() const = 0;
   virtual ContentId build() const = 0;  ///< problemId of the scene
   /// Starts to follow `touch`, which must outlive this object, and waits until the live solver is
   /// ready. Call once. Throws std::runtime_error if the live solver has trouble.
@@ -30,8 +30,8 @@ class LiveService {
   virtual LiveStatistics statistics() const = 0;
 };
 
-/// Entry of the module. Reads the scene, and makes the guess. Throws the errors of loadProblem()
-/// and GuessedDataset, and std::runtime_error if there is no worker. The caller owns the result.
+/// Entry of the module. Reads the scene. Throws the errors of loadProblem() and UnsolvedDataset,
+/// and std::runtime_error if there is no worker. The caller owns the result.
 using OpenLiveService = LiveService*(const LiveRequest& request);
 constexpr const char* live_service_entry = "openLiveService";
 

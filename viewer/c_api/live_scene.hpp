@@ -10,13 +10,13 @@ namespace palpate {
 
 /// A dataset with the live solver that corrects it.
 struct LiveScene {
-  /// Throws the errors of followedRadius() and LiveService::start(). guessed: as for LiveTouch.
+  /// Throws the errors of followedRadius() and LiveService::start(). guessed: there is no dataset
+  /// (UnsolvedDataset).
   LiveScene(std::shared_ptr<const LoadedDataset> corrected, std::unique_ptr<LiveService> solver,
             bool guessed, double period_s)
       : loaded(std::move(corrected)),
         period(period_s),
-        touch(followedRadius(loaded->model, guessed ? loaded->model.buildId() : solver->build()),
-              guessed),
+        touch(followedRadius(loaded->model, guessed ? loaded->model.buildId() : solver->build())),
         service(std::move(solver)) {
     service->start(touch);
   }

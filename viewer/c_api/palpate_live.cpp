@@ -27,17 +27,18 @@ OpenLiveService* liveModule() {
 std::shared_ptr<LiveScene> startedFor(const char* file, const palpate_dataset* dataset,
                                       const palpate_live_options& given) {
   static OpenLiveService* const open = liveModule();
-  const bool guess = dataset == nullptr;
+  const bool unsolved = dataset == nullptr;
   std::unique_ptr<LiveService> service;
   std::shared_ptr<const LoadedDataset> loaded;
   {
     const std::lock_guard lock(hdf5Mutex());
-    service.reset(open({file, guess, given.worker, given.follower, given.keys}));
-    loaded = guess ? std::make_shared<const LoadedDataset>(
-                         Dataset(service->guess()), HapticModelOptions{.methods = {"potential"}})
-                   : dataset->loaded;
+    service.reset(open({file, unsolved, given.worker, given.follower, given.keys}));
+    loaded = unsolved ? std::make_shared<const LoadedDataset>(
+                            Dataset(service->unsolved()),
+                            HapticModelOptions{.methods = {"potential"}, .guess = true})
+                      : dataset->loaded;
   }
-  return std::make_shared<LiveScene>(loaded, std::move(service), guess, given.period);
+  return std::make_shared<LiveScene>(loaded, std::move(service), unsolved, given.period);
 }
 
 }  // namespace

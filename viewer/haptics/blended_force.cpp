@@ -19,6 +19,11 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
   if (const std::int32_t area = model.surface().areaOf(anchor.triangle); area >= 0) {
     const Eigen::Vector3d place = model.surface().position(anchor);
     AreaSample sample = model.area(static_cast<std::size_t>(area)).evaluate(place, displacement);
+    if (model.isGuessAt(place)) {
+      sample.error_bound = std::max(sample.error_bound, sample.force.norm());
+      sample.inside = false;
+      sample.coverage = 0;
+    }
     if (live_ != nullptr && &model == live_model_)
       followed_ = live_->correct(place, displacement, sample);
     sum_ = sample;

@@ -28,6 +28,9 @@ class BlendedForce {
   explicit BlendedForce(const LiveTouch* live = nullptr, const HapticModel* live_model = nullptr)
       : live_(live), live_model_(live_model) {}
 
+  /// Sets the model whose areas are corrected, as in the constructor.
+  void correct(const HapticModel* live_model) { live_model_ = live_model; }
+
   /// anchor: in a touchable triangle. displacement: m. The model must outlive later calls of
   /// slopeAlong().
   void evaluate(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,

@@ -157,4 +157,12 @@ void Contact::use(const HapticModel& model, std::size_t method) noexcept {
   if (options_.mode == ContactMode::unilateral) state_ = State::shut;
 }
 
+void Contact::replace(const HapticModel& old, const HapticModel& model) noexcept {
+  if (options_.live_model == &old) {
+    options_.live_model = &model;
+    force_.correct(&model);
+  }
+  if (model_ == &old) use(model, model.isPrepared(method_) ? method_ : 0);
+}
+
 }  // namespace palpate

@@ -77,21 +77,27 @@ struct Touch : ForceSample {
 /// tool position at the grip. After release() the tool can grip again once `hold` was false or the
 /// tool was farther away than grab_distance.
 ///
-/// One thread. update() and use() are real time: they do not allocate, lock, throw or log.
+/// One thread. update(), use() and replace() are real time: they do not allocate, lock, throw or
+/// log.
 class Contact {
  public:
-  /// The model must stay valid until use() replaces it or this object is destroyed.
+  /// The model must stay valid until use() or replace() ends its use or this object is destroyed.
   explicit Contact(const HapticModel& model, const ContactOptions& options = {});
 
   /// Updates the contact for one tick. tool: m, scene frame; a position that is not finite ends the
   /// contact. hold: whether the tool may grip and keeps its grip; glued mode only.
   const Touch& update(const Eigen::Vector3d& tool, bool hold = true) noexcept;
   const Touch& touch() const noexcept { return touch_; }
+  std::size_t method() const noexcept { return method_; }
   /// Ends the contact. The tool must then come from outside to touch again.
   void release() noexcept;
   /// Switches to another model or method. Contact is kept if both surfaces have the same triangles
   /// and vertices and the anchor is touchable in the new model.
   void use(const HapticModel& model, std::size_t method) noexcept;
+  /// Replaces `old`, which may then be destroyed, by another model. If `old` is in use, so is the
+  /// other from now on, with its first method if the current one is not prepared. If the live
+  /// solver corrects `old`, it corrects the other from now on.
+  void replace(const HapticModel& old, const HapticModel& model) noexcept;
 
  private:
   /// | from     | event                                                   | to                 |

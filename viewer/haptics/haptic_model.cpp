@@ -8,9 +8,14 @@
 #include "common/base/parallel.hpp"
 #include "common/problem/sites.hpp"
 #include "viewer/fields/field_choice.hpp"
+#include "viewer/haptics/guessed_sites.hpp"
 
 namespace palpate {
 namespace {
+
+/// Distance from a site, in finger radii, to which it influences the forces of its area: the reach
+/// of a collocation point, plus the distance from there to the farthest of the seven nearest sites.
+constexpr double influence_radii = 1.2;
 
 /// Returns the radius of the finger, or of the patch around the active node, m.
 double radiusOf(const ActivePatch& patch, const Mesh& mesh) {
@@ -21,6 +26,12 @@ double radiusOf(const ActivePatch& patch, const Mesh& mesh) {
   return radius;
 }
 
+/// Returns a copy of a space without a solved point, in which the rest position is solved.
+SpaceTable atRest(SpaceTable space) {
+  space.points.front().tag = Tag::expandable;
+  return space;
+}
+
 }  // namespace
 
 HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& options)
@@ -28,13 +39,15 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       file_(dataset.file().string()),
       content_(dataset.contentId()),
       build_(dataset.buildId()),
-      surface_(dataset, options.reach),
+      surface_(dataset, options.reach, options.guess),
       spaces_(dataset.spaces()),
+      guessed_(spaces_.size()),
       methods_(options.methods),
       fields_(options.methods.size()),
       pressures_(scene_, options.pressures ? spaces_.size() : 0) {
   PALPATE_ASSERT(!spaces_.empty(), "a dataset must have an active node");
   if (methods_.empty()) throw badInput("{}: no interpolation method was given", file_);
+  if (options.guess) guessUnfinished();
   for (const SpaceTable& space : spaces_)
     tool_radii_.push_back(radiusOf(space.patch, dataset.mesh()));
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
@@ -47,6 +60,20 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   if (options.pressures && options.prepare) preparePressures();
 }
 
+void HapticModel::guessUnfinished() {
+  std::vector<Eigen::Vector3d> centers;
+  for (const TouchArea& area : surface_.areas())
+    for (const std::size_t space : area.spaces) {
+      if (!isUnfinished(spaces_[space])) continue;
+      guess(spaces_[space], scene_);
+      guessed_[space] = true;
+      centers.push_back(spaces_[space].patch.finger->center);
+    }
+  if (centers.empty()) return;
+  const double radius = surface_.areas().front().radius;
+  guessed_sites_ = NearPoints(std::move(centers), influence_radii * radius);
+}
+
 void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
                              const std::stop_token& stop) {
   shapes_.resize(spaces_.size());
@@ -57,12 +84,19 @@ void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
     std::unique_lock lock(reading);
     NodalFields fields = dataset.surfaceFields(s);
     lock.unlock();
+    if (guessed_[s]) {
+      fields.displacement = guessedShapes(spaces_[s], surface_.vertices());
+      std::ranges::fill(fields.pressure, 0.0F);
+    }
     if (with_pressures) pressures_.keep(s, std::move(fields.pressure));
+    const bool solved = hasSolvedPoint(spaces_[s]);
+    if (!solved) std::ranges::fill(fields.displacement, 0.0F);
     const std::vector<float>& displacements = fields.displacement;
     PALPATE_ASSERT(
         displacements.size() == 3 * spaces_[s].points.size() * surface_.vertices().size(),
         "a dataset must store the displacements of surface nodes");
-    shapes_[s] = std::make_unique<DisplacementField>(spaces_[s], displacements);
+    shapes_[s] = std::make_unique<DisplacementField>(solved ? spaces_[s] : atRest(spaces_[s]),
+                                                     displacements);
   });
 }
 

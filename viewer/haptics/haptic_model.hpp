@@ -26,6 +26,10 @@ struct HapticModelOptions {
   /// Prepare everything in the constructor. If false, the caller prepares each method with
   /// HapticModel::prepare(), and the pressures with preparePressures().
   bool prepare = true;
+  /// Replaces each site of a finger that is not finished by a guess (guessed_sites.hpp). Forces
+  /// near such a site are marked as not inside, with an error bound of at least the force itself.
+  /// If false, what is solved of the site is used; a site without a solved point is left out.
+  bool guess = false;
   /// Stops reading the shapes; the constructor then throws an Error with the exit code of an
   /// interrupt.
   std::stop_token stop = {};
@@ -88,6 +92,12 @@ class HapticModel {
   /// Returns the energy of an area of surface(). All methods share the areas. Requires that some
   /// method isPrepared(). Real time.
   const AreaField& area(std::size_t number) const noexcept { return *areas_[number]; }
+  /// Returns whether the points of a space are guesses (HapticModelOptions::guess).
+  bool isGuess(std::size_t space) const noexcept { return guessed_[space]; }
+  /// Returns whether the energy of an area at this place, m, depends on a guess. Real time.
+  bool isGuessAt(const Eigen::Vector3d& place) const noexcept {
+    return guessed_sites_.isReached(place);
+  }
   /// Returns the displacements of the surface's vertices in a space.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
   /// Returns the pressures of the surface. They are never prepared unless the options ask for them.
@@ -100,6 +110,7 @@ class HapticModel {
     std::vector<std::unique_ptr<const ForceField>> of_space;
     std::atomic<std::size_t> made = 0;
   };
+  void guessUnfinished();
   void make(std::size_t method, std::size_t space);
   bool makeAreas(const std::stop_token& stop);  ///< returns whether they are complete
   void readShapes(const Dataset& dataset, bool with_pressures, const std::stop_token& stop);
@@ -109,6 +120,8 @@ class HapticModel {
   ContentId content_, build_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
+  std::vector<bool> guessed_;       ///< [space]
+  NearPoints guessed_sites_;        ///< centres; reach: distance to which a site influences forces
   std::vector<double> tool_radii_;  ///< m, [space]
   /// Places around the sites of each area, m. They decide where the area gets collocation points.
   std::vector<std::vector<Eigen::Vector3d>> places_;

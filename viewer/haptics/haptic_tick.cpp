@@ -1,6 +1,7 @@
 #include "viewer/haptics/haptic_tick.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
@@ -97,6 +98,12 @@ const HapticState& HapticTick::run(bool late) noexcept {
 void HapticTick::obey(const HapticCommand& command) noexcept {
   if (command.kind == HapticCommand::Kind::release) return contact_.release();
   const auto number = static_cast<std::size_t>(command.model);  // huge if negative
+  if (command.kind == HapticCommand::Kind::replace) {
+    if (number >= models_.size() || command.replacement == nullptr) return;
+    contact_.replace(*std::exchange(models_[number], command.replacement), *command.replacement);
+    state_.method = static_cast<std::int32_t>(contact_.method());
+    return;
+  }
   const auto method = static_cast<std::size_t>(command.method);
   if (number >= models_.size() || !models_[number]->isPrepared(method)) return;
   contact_.use(*models_[number], method);

@@ -33,9 +33,13 @@ struct HapticState {
 struct HapticCommand {
   enum class Kind : std::uint8_t {
     use,      ///< use this model and method (indices)
+    replace,  ///< put another model in the place of this one; the contact continues
     release,  ///< end the contact
   } kind = Kind::use;
   std::int32_t model = 0, method = 0;
+  /// For `replace`. Must outlive the tick or its own replacement; its first method must be
+  /// prepared.
+  const HapticModel* replacement = nullptr;
 };
 
 /// Maps a device's frame to the scene: tool = origin + scale * rotation * position. Forces are

@@ -52,14 +52,4 @@ void LiveTouch::publish(const LiveHand& hand) noexcept {
   hands_.write(hand);
 }
 
-double LiveTouch::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
-                          AreaSample& sample) const noexcept {
-  if (guessed_) {
-    sample.error_bound = std::max(sample.error_bound, sample.force.norm());
-    sample.inside = false;
-    sample.coverage = 0;
-  }
-  return correction_.correct(s, p, sample);
-}
-
 }  // namespace palpate

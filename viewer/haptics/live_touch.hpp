@@ -40,14 +40,10 @@ struct LiveStatistics {
 /// Belongs to the areas of one model, whose fingers have the same radius.
 class LiveTouch {
  public:
-  /// `finger_radius`: m. `guessed`: the model is a guess (GuessedDataset). Forces without the live
-  /// solver are then marked as not inside, with an error bound of at least the force itself.
-  explicit LiveTouch(double finger_radius, bool guessed = false)
-      : radius_(finger_radius), guessed_(guessed), correction_(finger_radius) {}
+  /// `finger_radius`: m.
+  explicit LiveTouch(double finger_radius) : radius_(finger_radius), correction_(finger_radius) {}
 
   double fingerRadius() const { return radius_; }  ///< m
-  /// A dataset has replaced the guess. Call it while no tick runs.
-  void replaceGuess() { guessed_ = false; }
 
   // The haptic thread; real time.
   /// Takes a new equilibrium, if there is one, and advances the fade to it by `period` seconds. A
@@ -58,7 +54,9 @@ class LiveTouch {
   void publish(const LiveHand& hand) noexcept;
   /// As LiveCorrection::correct().
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
-                 AreaSample& sample) const noexcept;
+                 AreaSample& sample) const noexcept {
+    return correction_.correct(s, p, sample);
+  }
 
   // The thread that asks the live solver.
   const LiveHand& hand() noexcept { return hands_.read(); }
@@ -72,7 +70,6 @@ class LiveTouch {
   double fadeOf(const Expansion& expansion, double period) const noexcept;
 
   const double radius_;
-  bool guessed_;
   TripleBuffer<LiveHand> hands_;
   TripleBuffer<Answer> answers_;
   std::uint64_t answered_ = 0;  ///< used by the asking thread

@@ -43,10 +43,17 @@ std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   return shares;
 }
 
-std::vector<TouchArea> touchAreas(const Scene& scene, const std::vector<SpaceTable>& spaces) {
+/// Returns the areas. unsolved: with the sites that have no solved point.
+std::vector<TouchArea> touchAreas(const Dataset& dataset, bool unsolved) {
+  const std::vector<SpaceTable>& spaces = dataset.spaces();
   std::vector<TouchArea> areas;
-  for (ActiveChoice& area : areasOf(scene)) {
+  for (ActiveChoice& area : areasOf(dataset.scene())) {
     const double radius = spaces.at(area.spaces.front()).patch.finger.value().radius;
+    if (!unsolved)
+      std::erase_if(area.spaces, [&](std::size_t s) { return !hasSolvedPoint(spaces[s]); });
+    if (area.spaces.empty())
+      throw failure("{}: no site of {} has a solved point yet; seal the build again later",
+                    dataset.file().string(), area.name);
     areas.push_back({std::move(area.name), radius, std::move(area.spaces)});
   }
   return areas;
@@ -54,7 +61,7 @@ std::vector<TouchArea> touchAreas(const Scene& scene, const std::vector<SpaceTab
 
 }  // namespace
 
-TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
+TouchSurface::TouchSurface(const Dataset& dataset, double reach, bool unsolved) {
   const std::vector<std::int32_t>& nodes = dataset.surfaceNodes();
   const auto vertexOf = [&nodes](std::int32_t node) {
     const auto place = std::ranges::lower_bound(nodes, node);
@@ -70,13 +77,16 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   setFaces();
   setNeighbors();
 
-  areas_ = touchAreas(dataset.scene(), dataset.spaces());
+  areas_ = touchAreas(dataset, unsolved);
   area_of_space_.assign(dataset.spaces().size(), -1);
-  for (std::size_t a = 0; a < areas_.size(); ++a)
-    for (const std::size_t space : areas_[a].spaces) {
+  std::int32_t number = 0;
+  for (const ActiveChoice& area : areasOf(dataset.scene())) {
+    for (const std::size_t space : area.spaces) {
       PALPATE_ASSERT(area_of_space_[space] < 0, "a site must belong to only one area");
-      area_of_space_[space] = static_cast<std::int32_t>(a);
+      area_of_space_[space] = number;
     }
+    ++number;
+  }
   std::vector<ActivePatch> patches;
   for (const SpaceTable& space : dataset.spaces()) {
     ActivePatch patch = space.patch;

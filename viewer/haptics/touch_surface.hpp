@@ -70,8 +70,9 @@ class TouchSurface {
  public:
   /// reach: metres. If it is 0, each active node gets a reach of its own: the length of the longest
   /// surface edge at the node, which makes the triangles around it touchable, or the extent of its
-  /// patch if that is larger. Throws Error if no triangle is touchable.
-  explicit TouchSurface(const Dataset& dataset, double reach = 0);
+  /// patch if that is larger. unsolved: whether sites without a solved point belong to their areas.
+  /// Throws Error if no triangle is touchable, or if an area has no site.
+  explicit TouchSurface(const Dataset& dataset, double reach = 0, bool unsolved = false);
 
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }  ///< rest positions, m
   /// Returns the triangles as indices into vertices(), oriented outward.

@@ -35,6 +35,17 @@ std::optional<int> exitCodeOf(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+/// Runs a verb of palpate. Returns whether it has done its work.
+bool palpate(std::vector<std::string> words) {
+  words.insert(words.begin(), programBeside("palpate").string());
+  try {
+    return runToItsEnd({.words = std::move(words), .package = "palpate"}).exit_code == 0;
+  } catch (const Error& error) {
+    spdlog::debug("{}", error.what());  // for instance a scheduler that answers too late
+    return false;
+  }
+}
+
 }  // namespace
 
 BuildBeside::BuildBeside(std::filesystem::path scene, std::filesystem::path output)
@@ -48,9 +59,19 @@ BuildBeside::BuildBeside(std::filesystem::path scene, std::filesystem::path outp
         }
       }) {}
 
-void BuildBeside::prefer(const std::string& space) {
+void BuildBeside::prefer(std::vector<std::string> spaces) {
   const std::lock_guard lock(mutex_);
-  preferred_ = space;
+  preferred_ = std::move(spaces);
+}
+
+void BuildBeside::askForResults() {
+  const std::lock_guard lock(mutex_);
+  asked_ = true;
+}
+
+std::optional<std::filesystem::path> BuildBeside::takeResults() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(results_, std::nullopt);
 }
 
 std::optional<int> BuildBeside::exitCode() const {
@@ -67,6 +88,7 @@ void BuildBeside::run(const std::stop_token& stop) {
   std::optional<int> code;
   while (!stop.stop_requested() && !(code = exitCodeOf(child))) {
     passPreference();
+    sealResults();
     std::this_thread::sleep_for(build_poll);
   }
   if (!code) kill(child, SIGTERM);
@@ -78,24 +100,38 @@ void BuildBeside::run(const std::stop_token& stop) {
   exit_code_ = code;
 }
 
-/// Gives the preferred space a higher priority than all spaces before. A build that does not listen
-/// yet refuses, and is asked again.
+/// Raises the priority of one preferred space above those of all spaces before: of the farthest one
+/// that was never raised, or otherwise of the nearest. A build that does not listen yet refuses,
+/// and is asked again.
 void BuildBeside::passPreference() {
   std::string space;
   {
     const std::lock_guard lock(mutex_);
-    if (preferred_ == passed_ || Clock::now() < next_try_) return;
-    space = preferred_;
+    if (preferred_.empty() || Clock::now() < next_try_) return;
+    const auto isNew = [&](const std::string& each) { return !raised_.contains(each); };
+    const auto farthest = std::find_if(preferred_.rbegin(), preferred_.rend(), isNew);
+    space = farthest != preferred_.rend() ? *farthest : preferred_.front();
   }
-  next_try_ = Clock::now() + 1s;
-  try {
-    const Ran done = runToItsEnd({.words = {programBeside("palpate").string(), "priority",
-                                            stateOf(output_), space, std::to_string(++priority_)},
-                                  .package = "palpate"});
-    if (done.exit_code == 0) passed_ = space;
-  } catch (const Error& error) {
-    spdlog::debug("{}", error.what());  // for instance a scheduler that answers too late
+  if (space == passed_) return;
+  next_try_ = Clock::now() + 300ms;
+  if (!palpate({"priority", stateOf(output_), space, std::to_string(++priority_)})) return;
+  raised_.insert(space);
+  passed_ = space;
+}
+
+/// Writes the dataset of the results so far, if it was asked for. A build that has no results yet
+/// refuses, and is asked again.
+void BuildBeside::sealResults() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!asked_ || Clock::now() < next_seal_) return;
   }
+  next_seal_ = Clock::now() + 1s;
+  const std::filesystem::path results = folder_ / "results.h5";
+  if (!palpate({"seal", stateOf(output_), "-o", results.string(), "--replace", "-q"})) return;
+  const std::lock_guard lock(mutex_);
+  asked_ = false;
+  results_ = results;
 }
 
 }  // namespace palpate

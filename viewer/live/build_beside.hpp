@@ -4,8 +4,12 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
+#include <vector>
+
+#include "common/base/scratch_folder.hpp"
 
 namespace palpate {
 
@@ -19,25 +23,36 @@ class BuildBeside {
   /// continues it.
   ~BuildBeside() = default;
 
-  /// Asks the scheduler to compute this space before all others. Does not wait. Any thread.
-  void prefer(const std::string& space);
+  /// Asks the scheduler to compute these spaces before all others, the first one first. Does not
+  /// wait. Any thread.
+  void prefer(std::vector<std::string> spaces);
+  /// Asks for a dataset of the results so far. Does not wait. Any thread.
+  void askForResults();
+  /// Returns that dataset once after each request, when it is written; nullopt before. A later
+  /// request replaces the file. Any thread.
+  std::optional<std::filesystem::path> takeResults();
   /// Returns the exit code of the build; nullopt while it runs. Any thread.
   std::optional<int> exitCode() const;
 
  private:
   void run(const std::stop_token& stop);
   void passPreference();
+  void sealResults();
 
   using Clock = std::chrono::steady_clock;
 
   const std::filesystem::path scene_, output_;
+  ScratchFolder folder_;  ///< of the dataset of the results so far
   // Used by the thread.
-  std::string passed_;  ///< the space that the scheduler prefers
+  std::string passed_;            ///< the space that the scheduler prefers
+  std::set<std::string> raised_;  ///< spaces that it has preferred at some time
   int priority_ = 0;
-  Clock::time_point next_try_;
+  Clock::time_point next_try_, next_seal_;
 
   mutable std::mutex mutex_;  ///< guards the members below
-  std::string preferred_;
+  std::vector<std::string> preferred_;
+  bool asked_ = false;  ///< for the results so far
+  std::optional<std::filesystem::path> results_;
   std::optional<int> exit_code_;
 
   std::jthread thread_;  ///< last member: ends before the members that it uses are destroyed

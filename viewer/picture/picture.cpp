@@ -34,11 +34,27 @@ struct Picture::Impl {
   Impl(const std::vector<const HapticModel*>& models, const PictureOptions& options)
       : window("Palpate", options.width, options.height, options.visible, options.vsync),
         panels(window.handle()) {
-    for (const HapticModel* each : models) shown.push_back(std::make_unique<BodyView>(*each));
+    show(models);
     shot.lattice = &lattice;
     shot.tool.extent = shown.front()->sphere().radius;
     view.ghost = options.ghost;
     view.lattice = options.lattice;
+  }
+
+  void show(const std::vector<const HapticModel*>& models) {
+    shown.clear();
+    for (const HapticModel* each : models) shown.push_back(std::make_unique<BodyView>(*each));
+  }
+
+  /// Keeps the view, and forgets everything that refers to the old models.
+  void replace(const std::vector<const HapticModel*>& models) {
+    PALPATE_ASSERT(models.size() == shown.size(), "each model must have its replacement");
+    const std::vector<std::unique_ptr<BodyView>> old = std::move(shown);
+    show(models);
+    for (std::size_t n = 0; n < shown.size(); ++n) shown[n]->useScaleOf(*old[n]);
+    beside.reset();
+    lattice = {};
+    if (model >= 0) shot.body = &inUse();
   }
 
   BodyView& inUse() const { return *shown[at(model)]; }
@@ -294,6 +310,8 @@ Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOpt
 }
 
 Picture::~Picture() = default;
+
+void Picture::replace(const std::vector<const HapticModel*>& models) { impl_->replace(models); }
 
 bool Picture::wantsClose() const { return impl_->window.wantsClose(); }
 

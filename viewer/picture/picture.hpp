@@ -33,6 +33,9 @@ class Picture {
                    const PictureOptions& options = {});
   ~Picture();
 
+  /// Shows these models from now on. The view stays if the body has the same place and size.
+  void replace(const std::vector<const HapticModel*>& models);
+
   /// Returns whether the user or the system closed the window. The window stays visible until this
   /// object is destroyed.
   bool wantsClose() const;

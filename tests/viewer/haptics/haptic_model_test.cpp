@@ -7,6 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
+#include "viewer/haptics/contact.hpp"
 
 namespace palpate {
 namespace {
@@ -74,6 +75,69 @@ TEST(HapticModel, RestartsAStoppedAreaPreparation) {
   model.prepare(0, std::stop_token(), /*alone=*/true);
   EXPECT_TRUE(model.isPrepared(0));
   EXPECT_EQ(model.preparedShare(0), 1);
+}
+
+/// The body of a finger whose build has not begun with the site nearest to a corner of the top.
+class GrowingBody : public testing::Test {
+ protected:
+  static constexpr std::size_t unfinished = 0;
+  GrowingBody() {
+    const Eigen::Vector3d far = body.spaces[unfinished].patch.finger->center;
+    body.seal(directory / "whole.h5");
+    for (PointRecord& point : body.spaces[unfinished].points) point = {};
+    body.seal(directory / "part.h5");
+    EXPECT_GT((far - elsewhere).norm(), 0.03);
+  }
+  Eigen::Vector3d unfinishedPlace() const { return body.spaces[unfinished].patch.finger->center; }
+  HapticModel modelOf(const char* file, bool guess) const {
+    return HapticModel(Dataset(directory / file), {.methods = {"potential"}, .guess = guess});
+  }
+
+  const test::TemporaryDirectory directory;
+  test::FingerBody body;
+  const Eigen::Vector3d elsewhere{0.05, 0.05, 0.1};
+  const Eigen::Vector3d push{0, 0, -0.004};
+};
+
+TEST_F(GrowingBody, IsTouchableWhereASiteIsSolved) {
+  const HapticModel model = modelOf("part.h5", false);
+  EXPECT_EQ(model.surface().areas()[0].spaces.size(), body.spaces.size() - 1);
+  EXPECT_FALSE(model.isGuessAt(unfinishedPlace()));
+  const Eigen::Vector3d whole = modelOf("whole.h5", false).area(0).evaluate(elsewhere, push).force;
+  EXPECT_LT((model.area(0).evaluate(elsewhere, push).force - whole).norm(), 0.1 * whole.norm());
+  std::vector<float> shape(3 * model.surface().vertices().size(), 1);
+  model.shape(unfinished).evaluate(push, shape);
+  EXPECT_EQ(shape.front(), 0) << "a site without a solved point is shown at rest";
+}
+
+TEST_F(GrowingBody, IsAGuessOnlyNearUnfinishedSites) {
+  const HapticModel model = modelOf("part.h5", true), whole = modelOf("whole.h5", true);
+  EXPECT_TRUE(model.isGuess(unfinished));
+  EXPECT_TRUE(model.isGuessAt(unfinishedPlace()));
+  EXPECT_GT(model.area(0).evaluate(unfinishedPlace(), push).force.z(), 0.1);
+  EXPECT_FALSE(model.isGuessAt(elsewhere));
+  EXPECT_EQ(model.area(0).evaluate(elsewhere, push).force,
+            whole.area(0).evaluate(elsewhere, push).force)
+      << "an unfinished site has no influence there";
+  EXPECT_FALSE(whole.isGuessAt(unfinishedPlace()));
+}
+
+/// A hand feels by its bound that a force is guessed, and feels no kick when results replace it.
+TEST_F(GrowingBody, ReplacesAGuessUnderTheHand) {
+  const HapticModel guess = modelOf("part.h5", true), whole = modelOf("whole.h5", true);
+  const Eigen::Vector3d place = unfinishedPlace();
+  Contact contact(guess);
+  contact.update(place + Eigen::Vector3d(0, 0, 0.001));
+  Touch touch = contact.update(place + push);
+  ASSERT_TRUE(touch.touching);
+  EXPECT_FALSE(touch.inside);
+  EXPECT_GE(touch.error_bound, touch.force.norm());
+  contact.replace(guess, whole);
+  touch = contact.update(place + push);
+  EXPECT_TRUE(touch.touching);
+  EXPECT_TRUE(touch.stepped) << "the guard turns the step into a ramp";
+  EXPECT_TRUE(touch.inside);
+  EXPECT_LT(touch.error_bound, touch.force.norm());
 }
 
 TEST(HapticModel, RefusesUnknownMethodsAndAnEmptyList) {

@@ -208,6 +208,19 @@ TEST_F(HapticTickTest, ForgetsTheShownTouchWhenTheModelChanges) {
   EXPECT_TRUE(tick.run().touch.touching);
 }
 
+TEST_F(HapticTickTest, ReplacesAModelWhileTouching) {
+  const HapticModel newer(cube->dataset(), {.methods = {"potential"}});
+  ScriptedHand hand(pressing);
+  HapticTick tick({&model()}, hand, options());
+  tick.obey({HapticCommand::Kind::use, 0, 1});
+  for (int n = 0; n < 100; ++n) tick.run();
+  tick.obey({.kind = HapticCommand::Kind::replace, .replacement = &newer});
+  EXPECT_EQ(tick.run().method, 0) << "the newer model has no other method";
+  EXPECT_TRUE(tick.state().touch.touching);
+  tick.obey({HapticCommand::Kind::use, 0, 1});
+  EXPECT_EQ(tick.run().method, 0) << "the old model is no longer there";
+}
+
 TEST_F(HapticTickTest, IgnoresCommandsForMissingModelsAndMethods) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model()}, hand, options());

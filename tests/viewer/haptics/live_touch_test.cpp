@@ -54,25 +54,6 @@ TEST(LiveTouch, IgnoresAnAnswerThatComesAfterTheContact) {
   EXPECT_EQ(forceOf(live), 0);
 }
 
-TEST(LiveTouch, KnowsNothingOfAGuessThatIsNotFollowed) {
-  LiveTouch live(0.02, true);
-  AreaSample sample;
-  sample.energy = sample.error_bound = 0;
-  sample.force = {0, 0, 3};
-  sample.inside = true;
-  sample.coverage = 1;
-  live.correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), sample);
-  EXPECT_FALSE(sample.inside);
-  EXPECT_EQ(sample.coverage, 0);
-  EXPECT_GE(sample.error_bound, 3);
-  live.publish({0, true, {}, {}, {0, 0, 2}});
-  live.answer(push());
-  pass(live, LiveCorrection::release_time);
-  live.correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), sample);
-  EXPECT_TRUE(sample.inside);
-  EXPECT_LT(sample.error_bound, 0.1);
-}
-
 TEST(LiveTouch, ChangesTheForceByAFewMillinewtonsInATick) {
   LiveTouch live(0.02);
   live.publish({});

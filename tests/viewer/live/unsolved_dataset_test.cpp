@@ -1,4 +1,4 @@
-#include "viewer/live/guessed_dataset.hpp"
+#include "viewer/live/unsolved_dataset.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,33 +12,34 @@
 namespace palpate {
 namespace {
 
-TEST(GuessedDataset, CanBeTouchedEverywhereOnTheAreaOfAFinger) {
+TEST(UnsolvedDataset, CanBeTouchedByAGuessEverywhereOnTheAreaOfAFinger) {
   const test::FingerBody body(4);
-  const GuessedDataset guess(body.problem);
-  const Dataset dataset(guess.file());
+  const UnsolvedDataset unsolved(body.problem);
+  const Dataset dataset(unsolved.file());
+  EXPECT_TRUE(dataset.isPartial());
   EXPECT_TRUE(dataset.probePlaces().empty()) << "a guess is not measured";
-  const HapticModel model(dataset);
+  const HapticModel model(dataset, {.guess = true});
   ASSERT_EQ(model.surface().areas().size(), 1u);
   const AreaSample pressed = model.area(0).evaluate({0.05, 0.05, 0.1}, {0, 0, -0.005});
   EXPECT_GT(pressed.force[2], 0.1);
   EXPECT_LT(pressed.force[2], 5);
 }
 
-TEST(GuessedDataset, IsRemovedWithItsFolder) {
+TEST(UnsolvedDataset, IsRemovedWithItsFolder) {
   std::filesystem::path folder;
   {
-    const GuessedDataset guess(test::FingerBody().problem);
-    folder = guess.file().parent_path();
-    EXPECT_TRUE(std::filesystem::exists(guess.file()));
+    const UnsolvedDataset unsolved(test::FingerBody().problem);
+    folder = unsolved.file().parent_path();
+    EXPECT_TRUE(std::filesystem::exists(unsolved.file()));
   }
   EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
-TEST(GuessedDataset, NeedsAFinger) {
+TEST(UnsolvedDataset, NeedsAFinger) {
   test::expectBadInput(
       [] {
-        GuessedDataset(test::clampedProblem(test::mooneyRivlinScene(), test::cubeMesh(0.1, 2),
-                                            Eigen::Vector3d(0.1, 0.05, 0.05)));
+        UnsolvedDataset(test::clampedProblem(test::mooneyRivlinScene(), test::cubeMesh(0.1, 2),
+                                             Eigen::Vector3d(0.1, 0.05, 0.05)));
       },
       {"tip", "finger"});
 }
