@@ -16,7 +16,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the `count` finite numbers in `words`, 3 or 6.
+/// Returns the numbers in `words`. Error unless they are finite and there are `count` (3 or 6) of
+/// them.
 std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t count,
                               const std::string& where) {
   if (words.size() != count)

@@ -8,7 +8,7 @@ namespace palpate {
 
 /// An external program to run, such as sbatch or gmsh.
 struct ForeignProgram {
-  std::vector<std::string> words;  ///< the program, found in $PATH, then its arguments; no shell
+  std::vector<std::string> words;  ///< the program (searched in $PATH), then its arguments
   std::string package;     ///< Debian package that the error names if the program is missing
   std::string input = {};  ///< contents of its stdin
   /// The program is killed after this time.

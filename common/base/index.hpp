@@ -27,7 +27,7 @@ std::vector<Number> countUp(std::size_t count) {
   return numbers;
 }
 
-/// Returns the values that `function` has for the elements of `range`.
+/// Returns function(element) for each element of `range`.
 template <class Range, class Function>
 auto mapped(const Range& range, Function function) {
   using Value = std::invoke_result_t<Function&, decltype(*std::begin(range))>;

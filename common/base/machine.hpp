@@ -24,8 +24,8 @@ std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc
                                     const std::filesystem::path& mounted = "/sys/fs/cgroup");
 
 /// Memory that a solver program needs at its start, bytes. The process that starts it should call
-/// requireMemory() with this size: OpenBLAS 0.3.29 and later wait for their memory while they are
-/// loaded, before main() runs.
+/// requireMemory() with this size, because OpenBLAS 0.3.29 and later waits forever if the system
+/// refuses its memory. It requests the memory while it is loaded, before main() runs.
 inline constexpr std::size_t memory_of_a_solver = 384u << 20;
 /// Error, with the limit and the remedy, if the system does not grant this process that many bytes
 /// now. Frees them before it returns.

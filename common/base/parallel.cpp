@@ -18,8 +18,8 @@ void inParallel(std::size_t count, const std::function<void(std::size_t)>& task)
   std::size_t first = count;
   std::exception_ptr error;
   const auto work = [&] {
-    // Run every number that was taken. Otherwise a task with a lower number than a failed one could
-    // be left out.
+    // Run every task whose number was taken, even if another task fails meanwhile. Otherwise a task
+    // with a lower number than the failed one could be left out.
     while (!failed) {
       const std::size_t n = next++;
       if (n >= count) return;

@@ -105,7 +105,7 @@ int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
   return static_cast<int>(ExitCode::usage);
 }
 
-/// Replaces arguments such as "-.5" by "-0.5". CLI11 would take the first for an option.
+/// Replaces arguments such as "-.5" by "-0.5". CLI11 would read "-.5" as an option.
 std::vector<std::string> withLeadingZeros(int argc, char** argv) {
   std::vector<std::string> arguments(argv, argv + argc);
   for (std::string& argument : arguments)
@@ -142,7 +142,8 @@ void catchInterrupts() {
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
-    // SIGHUP is ignored if the program was started by nohup; it must then outlive the terminal.
+    // nohup starts a program with SIGHUP ignored. Keep it ignored, so that the program outlives the
+    // terminal.
     if (sigaction(signal, nullptr, &before) == 0 && signal == SIGHUP &&
         before.sa_handler == SIG_IGN)
       continue;

@@ -15,16 +15,17 @@ class App;
 
 namespace palpate {
 
-/// A verb of a program, such as `check`. `prepare` declares the verb's options on `app` and returns
-/// the function that runs the verb after parsing and owns the options.
+/// A verb of a program, such as `check`. `prepare` declares the verb's options on `app`. It returns
+/// the function that runs the verb after the command line is parsed; this function also owns the
+/// options.
 struct Verb {
   const char* name;
   const char* summary;  ///< one line, for --help
   std::function<ExitCode()> (*prepare)(CLI::App& app);
 };
 
-/// The `prepare` of a verb whose options declare themselves by `Options::addTo(CLI::App&)`. The
-/// verb runs `run(options, streams...)`.
+/// Verb::prepare for a verb whose options are a struct with the member `addTo(CLI::App&)`. The
+/// returned function calls `run(options, streams...)`.
 template <class Options, auto run, auto&... streams>
 std::function<ExitCode()> prepareVerb(CLI::App& app) {
   const auto options = std::make_shared<Options>();

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Adds a required option or argument to `app`. --help shows `type` as its type, by default the one
-/// of `value`.
+/// Adds a required option or argument to `app`. --help shows `type` as the type of its value, by
+/// default the type of `value`.
 template <class Value>
 CLI::Option* addRequired(CLI::App& app, const char* name, Value& value, const std::string& help,
                          const char* type = nullptr) {

@@ -24,7 +24,7 @@ class ScratchFolder {
     path_ = name;
   }
   ~ScratchFolder() {
-    std::error_code ignored;  // a folder that stays there does no harm
+    std::error_code ignored;  // a folder that cannot be deleted does no harm
     std::filesystem::remove_all(path_, ignored);
   }
   ScratchFolder(const ScratchFolder&) = delete;

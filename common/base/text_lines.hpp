@@ -55,7 +55,7 @@ class TextLines {
     return value;
   }
 
-  /// Reads the next word of the line; empty at its end.
+  /// Returns the next word of the line, or an empty word at the end of the line.
   std::string_view takeWord() {
     const std::string_view word = rest_.substr(0, rest_.find_first_of(blanks));
     rest_.remove_prefix(word.size());

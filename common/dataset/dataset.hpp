@@ -58,9 +58,10 @@ class Dataset {
   /// Returns whether the dataset was sealed before its build was finished. Some points may then be
   /// unknown, and refinement incomplete.
   bool isPartial() const { return partial_; }
-  const std::string& kernelFamily() const { return kernel_family_; }  ///< CPU family of the workers
-  const std::string& sceneToml() const { return scene_toml_; }        ///< resolved scene as text
-  const Scene& scene() const { return scene_; }                       ///< parsed from sceneToml()
+  /// Names of the kernels that computed the results (arithmeticOf), such as "avx512/SkylakeX".
+  const std::string& kernelFamily() const { return kernel_family_; }
+  const std::string& sceneToml() const { return scene_toml_; }  ///< resolved scene as text
+  const Scene& scene() const { return scene_; }                 ///< parsed from sceneToml()
   /// The mesh, quadratic if the displacement is P2. It has no groups, because none are stored.
   const Mesh& mesh() const { return body_.mesh; }
   const std::vector<std::int32_t>& fixedNodes() const { return body_.fixed; }  ///< sorted

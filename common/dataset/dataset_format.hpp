@@ -95,7 +95,7 @@ class FieldsReader {
   std::size_t stored_pressures_ = 0;     ///< pressures per row of the file
   bool quantized_;
   std::vector<ContentId> hashes_;
-  std::vector<float> steps_;  ///< m
+  std::vector<float> steps_;  ///< quantization step of each row, m
 };
 
 }  // namespace palpate

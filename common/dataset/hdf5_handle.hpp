@@ -27,8 +27,8 @@ void leaveOpenFilesAtExit() noexcept;
 /// HDF5 error".
 std::string lastError();
 
-/// Returns `result`, the result of an HDF5 call. If it is negative, the call failed: throws Error
-/// "FILE: WHAT: REASON", with the reason from lastError().
+/// Returns `result`, the result of an HDF5 call. If it is negative, the call has failed, and this
+/// function throws Error "FILE: WHAT: REASON" with the reason from lastError().
 template <class Result>
 Result checked(Result result, std::string_view file, std::string_view what) {
   if (result < 0) throw failure("{}: {}: {}", file, what, lastError());

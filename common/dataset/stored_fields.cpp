@@ -117,7 +117,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
       steps.push_back(integers.step);
       hashes.push_back(rowHash(bytes, quantized ? &integers.step : nullptr, pressure));
     }
-  // Keep this order: the bytes of the file depend on it.
+  // Keep the order of these calls, because the bytes of the file depend on it.
   if (!quantized) displacements.finish();
   if (pressures) pressures->finish();
   out.writeList(hash_path, hashes, "1");
@@ -144,8 +144,8 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
   }
   in.array(displacement_path, elementOf(quantized_), {n_rows, n_values_ / 3, 3});
   if (n_pressures_ > 0) {
-    // Accept more columns than nodes, because nodes between materials have several slots. The exact
-    // number is unknown here, because it depends on the regions.
+    // Accept more columns than nodes, because nodes between materials have several pressures
+    // (PressureSlots). The exact number is unknown here, because it depends on the regions.
     const hdf5::Shape& shape = in.array(pressure_path).shape;
     stored_pressures_ = shape.size() == 2 ? std::max<std::size_t>(shape[1], n_pressures_) : 0;
     in.array(pressure_path, hdf5::Element::float32, {n_rows, stored_pressures_});

@@ -71,8 +71,8 @@ void forEachTable(const Visit& visit) {
 }
 
 // Each of these functions calls visit(path, unit, part) for each column of a table, with `part` the
-// member of a row that the column holds. A fourth argument is a predicate for the rows that have a
-// value; the file has no value for the others.
+// member of a row that the column holds. The optional fourth argument tells whether a row has a
+// value. In the file, the other rows have nothing().
 
 template <class Visit>
 void forEachSplitColumn(const Visit& visit) {
@@ -314,7 +314,7 @@ void writeNames(Writer& out, const SpacesToWrite& spaces) {
             std::span(reinterpret_cast<const std::uint8_t*>(names.data()), names.size()), "1");
 }
 
-/// Writes the number of the first row of each space, followed by the total number of rows.
+/// Writes the index of the first row of each space, then the total number of rows.
 template <class Count>
 void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spaces,
                  const Count& countOf) {
@@ -373,7 +373,7 @@ void checkNames(const Reader& in, const Scene& scene) {
   }
 }
 
-/// Resizes the list of each space to its rows in the file.
+/// Resizes the list of each space to the number of its rows in the file.
 template <class List>
 void resizeLists(const Reader& in, const std::string& firsts_path, const char* rows_path,
                  std::vector<SpaceTable>& spaces, List list) {

@@ -142,9 +142,9 @@ std::string programFor(const std::vector<std::string>& arguments) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  // Set this here, because OpenBLAS reads it while it is loaded. palpate-worker sets it too, but
-  // may not get that far: with many cores and limited address space, OpenBLAS's threads would keep
-  // it from starting.
+  // OpenBLAS reads this variable while it is loaded. palpate-worker also sets it, but only in
+  // main(), which is never reached if a limit on address space keeps OpenBLAS's many threads from
+  // starting.
   setenv("OPENBLAS_NUM_THREADS", "1", 1);
   execv(program.c_str(), argv.data());
   const bool is_missing = errno == ENOENT;

@@ -37,8 +37,8 @@ bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t ax
   return false;
 }
 
-/// N, largest force in the measurements behind the thresholds. If the largest force of a space is
-/// smaller, the thresholds in newtons are reduced in proportion.
+/// N, largest force in the measurements from which the thresholds were chosen. If the largest force
+/// of a space is smaller, the thresholds in newtons are reduced in proportion.
 constexpr double measured_force = 3.3;
 
 double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) {

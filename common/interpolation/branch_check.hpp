@@ -9,8 +9,8 @@ namespace palpate {
 /// Measures whether two equilibria a and b, whose displacements differ by `step` metres, can lie on
 /// one smooth solution branch. The mismatches are the parts of the changes of force and energy that
 /// the forces and stiffnesses at both ends do not explain. Each end predicts a change of force over
-/// the step, its stiffness K times the step. `change` is the mean length of these two predictions,
-/// and `bend` is the length of their difference.
+/// the step, namely the stiffness K at that end times the step. `change` is the mean length of
+/// these two predictions, and `bend` is the length of their difference.
 struct EdgeCheck {
   /// N, |F_b - F_a - (K_a + K_b) / 2 step|: residual of the trapezoidal rule.
   double force_mismatch = 0;
@@ -19,7 +19,7 @@ struct EdgeCheck {
   double change = 0;  ///< N
   double bend = 0;    ///< N
   /// 0 to 1: factor for the thresholds in newtons. It is below 1 if the largest force of the space
-  /// is smaller than the largest force in the measurements behind the thresholds.
+  /// is smaller than the largest force in the measurements from which the thresholds were chosen.
   double scale = 1;
 
   /// Returns false only if it is implausible that a smooth branch joins a and b. If the stiffness
@@ -28,8 +28,8 @@ struct EdgeCheck {
   bool consistent() const;
   /// Returns true if the stiffnesses explain so little of the change that a jump between branches
   /// could go unnoticed. True for every edge that is not consistent, and for long edges along which
-  /// the stiffness changes much. It is worth solving the ends of a suspect edge again along another
-  /// path, but the order of interpolation is not reduced.
+  /// the stiffness changes much. The ends of a suspect edge are worth solving again along another
+  /// path, but interpolation along the edge keeps its order.
   bool suspect() const;
 };
 /// Checks the step from a to b. `largest_force` is the largest force in the configuration space, N.

@@ -116,8 +116,8 @@ void CellTree::hang(CellSlot& slot) const {
 }
 
 LeafPlace CellTree::leafBeside(const LatticePoint& point, std::size_t octant) const noexcept {
-  // Position in the octant, a quarter of a coordinate unit from the point on each axis. Its
-  // coordinates are multiples of this quarter.
+  // A position in the octant, a quarter of a coordinate unit from the point along each axis, given
+  // in quarters of a unit.
   Eigen::Vector3d beside;
   for (std::size_t axis = 0; axis < 3; ++axis)
     beside[static_cast<Eigen::Index>(axis)] =

@@ -27,7 +27,7 @@ struct CellSlot {
   SlotKind kind = SlotKind::ghost;
   std::int32_t number = -1;                         ///< lattice number if solved
   std::int32_t leaf = -1;                           ///< the coarser leaf if hanging
-  Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< 0..1 in that leaf, if hanging
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< coordinates in that leaf, 0..1
 };
 
 /// Slots of the eight corners of a leaf. Corner c has offset (c & 1, c >> 1 & 1, c >> 2 & 1).
@@ -36,10 +36,10 @@ using LeafCorners = std::array<std::int32_t, 8>;
 /// The leaf that contains a displacement, and the place in it.
 struct LeafPlace {
   std::int32_t leaf = -1;                           ///< -1 if outside the ball
-  Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< 0..1 in the leaf
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< coordinates in the leaf, 0..1
 };
 
-/// Returns whether `is(slot, slot)` holds for the ends of one of a leaf's edges, lower end first.
+/// Returns whether is(lower end, upper end) is true for at least one edge of a leaf.
 template <class Is>
 bool anyEdge(const LeafCorners& corners, Is is) {
   for (std::size_t c = 0; c < 8; ++c)
@@ -66,8 +66,9 @@ inline bool isCorner(const Eigen::Vector3d& local) noexcept {
 ///
 /// The interpolant is then as continuous across leaves of different levels as it is between two
 /// cells of the uniform lattice, under two conditions. First, on a face it must depend on the data
-/// of the face's corners alone. Second, interpolating its own data at the corners of a part of the
-/// face must reproduce it on this part. Tensor products of Hermite polynomials satisfy both.
+/// of the face's corners alone. Second, if data are taken from it at the corners of a part of the
+/// face, interpolating these data must give the same function on this part. Tensor products of
+/// Hermite polynomials satisfy both.
 ///
 /// Immutable after construction, so any thread may read.
 class CellTree {

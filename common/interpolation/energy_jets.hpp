@@ -18,10 +18,10 @@ struct EnergySample {
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, symmetric
 };
 
-/// Fits, around every ghost (SlotKind), a polynomial of the energy by least squares. The data are
-/// those of the nearest solved points, its sources. Returns one polynomial per slot, zero for slots
-/// that are not ghosts. A point is not a source if an inconsistent edge joins it to a nearer
-/// source. Spaces with equal lattices may share `fits`.
+/// Fits, around every ghost (SlotKind), a polynomial of the energy by least squares. The fit uses
+/// the data of the nearest solved points, called the sources of the ghost. Returns one polynomial
+/// per slot, zero for slots that are not ghosts. A point is not a source if an inconsistent edge
+/// joins it to a nearer source. Spaces with equal lattices may share `fits`.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent,
                                               LocalFits& fits);
@@ -45,7 +45,7 @@ std::vector<EnergyJet> energyJets(const CellTree& tree,
 std::vector<EnergyJet> slotJets(const CellTree& tree,
                                 const std::vector<LocalPolynomial>& polynomials);
 
-/// The jets at the corners of a leaf; corner c has jets[c].
+/// The jets at the corners of a leaf; element c is the jet at corner c.
 using LeafJets = std::array<const EnergyJet*, 8>;
 
 /// Evaluates the tensor-product quintic Hermite polynomial of the jets at the corners of a leaf.
@@ -92,8 +92,8 @@ std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, K
   return by_z;
 }
 
-/// Coefficients of the interpolated energy, or of a derivative of it, for each of the 27 numbers of
-/// each corner's jet.
+/// Coefficients with which the 27 numbers of each corner's jet contribute to the interpolated
+/// energy, or to a derivative of it: [corner][number].
 using LeafBasis = std::array<std::array<double, 27>, 8>;
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept;
 /// Returns the coefficients of the derivative along `direction`, per metre.

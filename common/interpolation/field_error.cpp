@@ -10,9 +10,9 @@ namespace palpate {
 namespace {
 
 // Factors of the bound, chosen with 18000 exact solutions on liver-493 (Mooney-Rivlin, three active
-// nodes, balls of 60 and 100 mm, spacings from 10 to 33 mm). They include the rim of the ball and
-// the neighbourhood of jumps between branches. The bound holds at 99 % of these solutions. In the
-// median it is 6 to 11 times the error (docs/internals/measurements.md).
+// nodes, balls of 60 and 100 mm, spacings from 10 to 33 mm). These solutions include the rim of the
+// ball and the neighbourhood of jumps between branches. The bound holds at 99 % of these solutions.
+// In the median it is 6 to 11 times the error (docs/internals/measurements.md).
 constexpr double share_of_spread = 0.75;  ///< factor of the mean difference, without ghosts
 /// This number times the weight of the ghost corners is added to share_of_spread.
 constexpr double share_at_ghosts = 2.5;

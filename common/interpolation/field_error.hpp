@@ -8,10 +8,11 @@ namespace palpate {
 ///
 /// Every corner of a leaf, unless it is hanging, has a local polynomial of the energy. The bound is
 /// based on the differences between the forces of these polynomials and the force of the
-/// interpolant. Their mean, weighted trilinearly, shows how well the data around a place agree. It
-/// is zero at solved corners and continuous across faces. For equal differences, the bound is
-/// larger near ghost corners and suspect edges (branch_check.hpp). A hanging corner adds the bound
-/// in its coarser leaf.
+/// interpolant. The trilinearly weighted mean of these differences shows how well the data around a
+/// place agree. It is zero at solved corners and continuous across faces. For equal differences,
+/// the bound is larger near ghost corners and suspect edges (branch_check.hpp). At a hanging
+/// corner, which has no polynomial, the mean difference of the other corners is used, and the bound
+/// of the coarser leaf there is added with the corner's weight.
 ///
 /// The factors come from measurements; see field_error.cpp and docs/internals/measurements.md.
 /// Immutable after construction, so any thread may read.

@@ -12,7 +12,7 @@ namespace {
 // Largest number of data of a source: the energy, three first, six second and ten third
 // derivatives, in the order of the polynomial's terms.
 constexpr int most_data = KnownDerivatives::MaxRowsAtCompileTime;
-/// Limit of the size of all cached factorisations, in numbers (8 MB). When it is exceeded, the
+/// Limit of the size of all cached factorisations, in doubles (8 MB). When it is exceeded, the
 /// cache is cleared. The fits of the drives of one site use about 150 different factorisations.
 constexpr Eigen::Index most_kept = 1 << 20;
 

@@ -51,8 +51,9 @@ struct FitSource {
 /// the sources share one cached factorisation, even across spaces. One thread.
 class LocalFits {
  public:
-  /// Configures the data that a fit uses and its degrees, 2 to 5. With `known` below
-  /// KnownOrders::curvature, stiffnesses are ignored, and below KnownOrders::slope forces too.
+  /// Configures the data that a fit uses and the degrees of its polynomials, 2 to 5. With `known`
+  /// below KnownOrders::curvature, stiffnesses are ignored, and below KnownOrders::slope forces
+  /// too.
   struct Kind {
     KnownOrders known = KnownOrders::curvature;
     int highest_extrapolated = LocalPolynomial::degree;
@@ -73,7 +74,7 @@ class LocalFits {
 
   /// Decides whether the derivatives of the highest known order at a point can be trusted. They
   /// predict how the derivatives of the next lower order change towards the points `around`.
-  /// Returns one order less than Kind::known if this prediction is worse than predicting no change
+  /// Returns Kind::known, or one order less if this prediction is worse than predicting no change
   /// (for slopes: more than three times as bad). This happens
   /// - if the derivative was computed as the difference of two tangents over a tiny step in which
   ///   the stiffness of an element jumps: it is then this jump divided by the step;
@@ -107,8 +108,8 @@ class LocalFits {
                          const LocalPolynomial& known) const;
   double unit_;
   Kind kind_;
-  std::map<Key, Factors> factors_;  ///< by the offsets and known orders of the sources
-  Eigen::Index kept_ = 0;           ///< total size of the cached matrices, in numbers
+  std::map<Key, Factors> factors_;  ///< keys from factorsOf()
+  Eigen::Index kept_ = 0;           ///< total size of the cached matrices, in doubles
 };
 
 /// Settings for fits of a finger's energy, whose third derivatives are known too.

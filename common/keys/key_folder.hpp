@@ -17,7 +17,7 @@ namespace palpate {
 /// Permissions of a key's holder, as a sum of bits.
 enum class Roles : std::uint8_t {
   none = 0,
-  worker = 1,    ///< takes work and delivers results
+  worker = 1,    ///< receives work and delivers results
   observer = 2,  ///< reads the status
   /// May stop a build, retry transitions, and use a haptic device, which exerts forces on a
   /// person's hand. Includes observer.
@@ -49,8 +49,8 @@ struct AllowedKey {
 ///   servers   keys of the servers that clients of this user connect to: KEY ENDPOINT
 ///
 /// # begins a comment. Folder and files must belong to this user (or root) and be inaccessible to
-/// others (modes 0700 and 0600). Error (bad input) with a remedy if this is not so, or if their
-/// content is invalid. Each change replaces a whole file, and changes by several processes are made
+/// others (modes 0700 and 0600). Otherwise, or if their content is invalid, an Error (bad input)
+/// gives the remedy. Each change replaces a whole file, and changes by several processes are made
 /// one after the other. Nothing is cached in memory. Any thread may read.
 class KeyFolder {
  public:

@@ -7,7 +7,7 @@ namespace palpate {
 
 /// Command-line options about keys for programs that use the network.
 struct KeyOptions {
-  std::string folder = {};  ///< --keys; if empty, chosenKeyFolder()
+  std::string folder = {};  ///< --keys; if empty, chosenKeyFolder() decides
   bool insecure = false;    ///< --insecure: no keys are used
 
   /// Adds both options to `app`, which must not outlive this object. `means` is the text of --help

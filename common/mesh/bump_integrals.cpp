@@ -5,7 +5,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the bump and its derivatives, times `area`, at a point that is `away` from the centre.
+/// Returns the bump and its derivatives, times `area`, at a point with the offset `away` from the
+/// centre.
 BumpIntegral bumpTimes(double area, const Eigen::Vector3d& away, double radius) {
   const double relative = away.squaredNorm() / (radius * radius);
   if (relative >= 1) return {};

@@ -27,7 +27,7 @@ class BumpQuadrature {
       : center_(center), radius_(radius), part_(part * radius) {}
 
   /// Calls visit(barycentric coordinates, weight) for each quadrature point of a triangle, given by
-  /// its corners as columns. The weight is the share of the triangle's area, m^2, that the point
+  /// its corners as columns. The weight is the part of the triangle's area, m^2, that the point
   /// stands for. Skips points in parts of the triangle that the bump does not reach. Real time.
   template <class Visit>
   void over(const Eigen::Matrix3d& corners, const Visit& visit) const noexcept {

@@ -7,8 +7,8 @@
 namespace palpate {
 
 /// Tests quickly whether a finger at a given place rests mostly on movable nodes
-/// (FingerWeights::free_share). All fingers have one radius. Copies the data it needs. Immutable,
-/// so any thread may use it.
+/// (FingerWeights::free_share). All fingers have the same radius. Copies the data it needs.
+/// Immutable, so any thread may use it.
 class FreeShare {
  public:
   /// radius > 0, metres; `fixed` sorted.

@@ -270,7 +270,8 @@ class GmshText {
     return found;
   }
 
-  /// Adds the nodes of an element on this line to the mesh and to `group`.
+  /// Reads the nodes of an element from the current line and adds them to `group`. Adds a volume
+  /// element to the mesh.
   void addElement(std::int64_t tag, int type, const Key& group) {
     const int count = element_types[type].nodes;
     std::array<std::int32_t, 10> first_ten{};
@@ -284,8 +285,9 @@ class GmshText {
     if (element_types[type].dimension == 3) addTetrahedron(tag, type, first_ten, group);
   }
 
-  /// Adds a tetrahedron with its corners. Its mid-edge nodes are dropped, because P2 scenes add
-  /// their own; they must therefore lie in the middle of their edges.
+  /// Adds a tetrahedron by its corners. Mid-edge nodes of the file are dropped, because
+  /// addMidEdgeNodes() makes new ones in the middle of each edge. Error if a dropped node lies
+  /// elsewhere.
   void addTetrahedron(std::int64_t tag, int type, const std::array<std::int32_t, 10>& nodes,
                       const Key& group) {
     if (type == tetrahedron_10) {
@@ -342,8 +344,8 @@ class GmshText {
       throw lines_.wrong("{} elements were announced, but the blocks contain {}", n_elements, read);
   }
 
-  /// Reads one vector per tetrahedron; the first string tag is its name. Skips data with other than
-  /// three components, and later time steps of the same name.
+  /// Reads data with one vector per tetrahedron; the first string tag is the name of the data.
+  /// Skips data that do not have three components, and later time steps of the same name.
   void readElementData() {
     const auto tags = [&](const char* what) {
       nextLine();

@@ -202,7 +202,7 @@ double shapeOf(const Mesh& mesh, std::size_t element) {
   double squared_edges = 0;
   for (const auto& [a, b] : tetrahedron_edges)
     squared_edges += (mesh.nodes[t[a]] - mesh.nodes[t[b]]).squaredNorm();
-  // Four coincident nodes count as flat; avoid 0/0.
+  // Four coincident nodes count as flat. The quotient would be 0/0.
   if (squared_edges == 0) return 0;
   return 12 * std::pow(std::abs(sixVolume(mesh, element)) / 2, 2.0 / 3.0) / squared_edges;
 }

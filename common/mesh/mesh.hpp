@@ -89,8 +89,8 @@ std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b);
 /// that contain both ends of its edge.
 void addMidEdgeNodes(Mesh& mesh);
 
-/// Distance, in diagonals of the body, below which two nodes count as coincident. Coordinates that
-/// are written with six digits are no more accurate than this.
+/// Distance below which two nodes count as coincident, as a fraction of the bounding box diagonal.
+/// Coordinates that are written with six digits are no more accurate than this.
 inline constexpr double coincident_distance = 1e-6;
 
 /// Returns the nodes that coincide with a node of lower number, each as {node, lowest node that it

@@ -31,7 +31,7 @@ class NearPoints {
   std::vector<Eigen::Vector3d> points_;
   double reach_ = 0, edge_ = 0;  ///< m; edge_ is the edge of a grid cube
   Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();
-  std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< number along each axis
+  std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< number of cubes along each axis
   /// The entries of cube n begin at listed_[first_[n]]; cubes are numbered with x fastest.
   std::vector<std::int32_t> first_, listed_;
 };
@@ -40,7 +40,8 @@ class NearPoints {
 /// it. `distances` holds the largest wanted distance from each place to a chosen one, > 0. The
 /// first place is chosen first. The next is always the place whose distance to the nearest chosen
 /// place is the largest multiple of its wanted distance, until all multiples are at most 1.
-/// Distances are straight, metres. Returns the places in order of choice, the same on all machines.
+/// Distances are along straight lines, metres. Returns the places in order of choice, the same on
+/// all machines.
 ///
 /// `accepts` is called before a place is chosen, with the number of places `taken` so far. Places
 /// that it refuses are never chosen and need no chosen place near them. `accepts` may throw, for

@@ -51,8 +51,8 @@ PushedPart pushedAt(const Eigen::Vector3d& normal, double radius);
 /// most 75 degrees plus a. If this is 180 degrees or more, as at sharp rims and on thin lobes,
 /// returns the whole ball.
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger);
-/// Returns whether the finger covers both sides of a lobe that is thinner than itself, so that the
-/// normals under it nearly cancel out.
+/// Returns whether the finger covers both sides of a lobe that is thinner than the finger, so that
+/// the normals under the finger nearly cancel out.
 bool isOnBothSides(const Mesh& mesh, const Finger& finger);
 
 /// Returns the largest distance from the surface, m, at which a place still counts as on the

@@ -96,8 +96,8 @@ void refuseLoosePieces(const Problem& problem) {
       counted(nodes.size(), "node"), nodes.front(), hinge);
 }
 
-/// Returns whether `nodes` is a sorted set of nodes of a mesh with `n_nodes` nodes. Checked because
-/// data from other processes cannot be trusted.
+/// Returns whether `nodes` is a sorted set of nodes of a mesh with `n_nodes` nodes. Data from other
+/// processes may violate this.
 bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
   return std::ranges::adjacent_find(nodes, std::greater_equal<>()) == nodes.end() &&
          (nodes.empty() ||

@@ -43,7 +43,7 @@ std::size_t storedPressures(const Problem& problem);
 std::size_t storedBytes(const Problem& problem);
 
 /// Checks everything that resolve() guarantees about a problem, for problems from other sources.
-/// Error (bad input) if the problem violates it.
+/// Error (bad input) if a guarantee is violated.
 void checkProblem(const Problem& problem);
 
 /// Number of parts into which one lattice spacing is divided, so that a lattice can also hold
@@ -75,8 +75,8 @@ PressureSlots pressureSlots(const Problem& problem);
 /// - a material takes its fibres from element vectors that the mesh lacks or that are zero;
 /// - an active node is fixed or not on the surface, or `near` is farther from the surface than the
 ///   body is wide;
-/// - a rigid patch and the fixed nodes are the whole body, or a weighted patch has fewer than three
-///   nodes;
+/// - a rigid patch and the fixed nodes together contain all nodes, or a weighted patch has fewer
+///   than three nodes;
 /// - a finger is as wide as the body, rests mostly on fixed nodes, or is so small that its surface
 ///   needs more than max_sites sites;
 /// - a component of the mesh has no fixed nodes, and shares no nodes with the others, or only nodes
@@ -86,9 +86,9 @@ PressureSlots pressureSlots(const Problem& problem);
 /// Input that is doubtful but can be computed is not an Error; warningsOf() reports it
 /// (problem_warnings.hpp). An active `surface` is replaced by one active node per selected vertex,
 /// or for a finger by its sites and, after all other entries, its probe places. The scene in the
-/// result has the same entries, as if a user had written them one by one. Tests whether a node lies
-/// within a radius allow 5e-13 of the radius for round-off. With P2 displacement the mesh first
-/// gets its mid-edge nodes (`mesh` has none). selection.hpp describes the selectors.
+/// result contains these entries, as if a user had written them one by one. Tests whether a node
+/// lies within a radius allow 5e-13 of the radius for round-off. With P2 displacement the mesh
+/// first gets its mid-edge nodes (`mesh` has none). selection.hpp describes the selectors.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// Reads a scene file and its mesh (readScene, readGmsh) and resolves the scene. A mesh in another

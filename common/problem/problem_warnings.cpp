@@ -23,10 +23,10 @@ constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
 constexpr double largest_stretch = 3;
 /// Smallest ratio of the bulk modulus to the moduli of matrix and fibres. The energy of fibres
 /// depends on their isochoric stretch, which differs from their actual stretch if the bulk modulus
-/// is smaller. Measured on a cube pulled along its fibres: at 2, 10 and 50 times k1 the force is
-/// 29, 11 and 3 % too small.
+/// is smaller. With a bulk modulus of 2, 10 and 50 times k1, the measured force on a cube pulled
+/// along its fibres is 29, 11 and 3 % too small.
 constexpr double fibres_need_bulk = 50;
-/// Ratio of a region's Young's modulus to the smallest shear modulus above which the region holds
+/// A region whose Young's modulus is more than this multiple of the smallest shear modulus holds
 /// its neighbours as fixed nodes do.
 constexpr double rigid_contrast = 1e3;
 
@@ -161,7 +161,7 @@ class Warnings {
     }
   }
 
-  /// Returns whether a region is nearly rigid compared with the softest one, for each region.
+  /// Returns for each region whether it is nearly rigid compared with the softest one.
   std::vector<bool> rigidRegions() const {
     double softest = std::numeric_limits<double>::infinity();
     for (const Region& region : scene_.regions)
@@ -188,7 +188,8 @@ class Warnings {
     for (const ActivePatch& patch : problem_.active)
       if (beside_held.contains(patch.node) && !held.contains(patch.node))
         thin.push_back(patch.name);
-    // Warn only if most active nodes are affected: among many, some always lie beside fixed nodes.
+    // Warn only if most active nodes are affected, because among many active nodes some always lie
+    // beside fixed nodes.
     if (2 * thin.size() > problem_.active.size())
       warn(
           "active {}: the single element between the tool and what is fixed or nearly rigid cannot "

@@ -29,7 +29,8 @@ bool isIn(const Sphere& sphere, const Eigen::Vector3d& x) {
 }
 
 /// Returns the entry with this name. If there is none, throws an Error that begins with `missing`
-/// and lists the existing names, introduced by the plural noun `what`.
+/// and lists the existing names. If there are no names at all, the Error says that the mesh has no
+/// `what`, a plural noun.
 template <class Named>
 const auto& entryNamed(const Named& named, const std::string& name, std::string_view missing,
                        const char* what) {

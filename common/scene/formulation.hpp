@@ -37,7 +37,7 @@ enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 /// How a tool prescribes the displacements of a patch of nodes:
 /// - "rigid" moves all nodes of the patch by the tool's displacement; the patch may be a single
 ///   node;
-/// - "weighted-average" prescribes only the weighted mean of their displacements;
+/// - "weighted-average" prescribes only the weighted mean of the nodes' displacements;
 /// - "finger" prescribes the weighted mean around a point that may be anywhere on the surface.
 enum class ToolKind : std::uint8_t { rigid, weighted_average, finger };
 

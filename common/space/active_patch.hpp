@@ -10,14 +10,14 @@
 
 namespace palpate {
 
-/// An area is a surface that a finger may touch anywhere. Its sites are the finger positions that
-/// have a configuration space of their own; the energy is interpolated between them. No place where
-/// the finger can stand is farther from its nearest site than this distance, in finger radii. Sites
-/// lie closer together where the surface bends under the finger (common/problem/sites.hpp).
+/// Largest distance, in finger radii, from a place where a finger can stand to the nearest site. An
+/// area is a surface that a finger may touch anywhere. Its sites are the finger positions that have
+/// a configuration space of their own; the energy is interpolated between them. Sites lie closer
+/// together where the surface bends under the finger (common/problem/sites.hpp).
 inline constexpr double site_distance = 0.6;
 /// Forces can be interpolated at a place of the surface if its nearest site is within this
-/// distance, in finger radii. It exceeds site_distance, because sites are chosen among discrete
-/// places, and only these places are sure to have a site within site_distance.
+/// distance, in finger radii. It exceeds site_distance, because that distance is ensured only at
+/// discrete places, from which the sites are chosen.
 inline constexpr double answered_distance = 1.1 * site_distance;
 
 /// The contact of a soft finger with the surface at rest. Lengths in metres.

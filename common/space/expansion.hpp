@@ -16,8 +16,8 @@ struct Expansion {
     double energy = 0;                                ///< J
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, -dE/dp
     Eigen::Vector3d drive = Eigen::Vector3d::Zero();  ///< N, -dE/ds
-    /// N, magnitude of the third-order terms of the force. It estimates the error that the
-    /// expansion would have without them.
+    /// N, magnitude of the force that the third-order terms contribute. It estimates the error that
+    /// the force would have without these terms.
     double last_terms = 0;
   };
   /// Evaluates the polynomial at s and p, metres. Real time.

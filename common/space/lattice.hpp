@@ -18,7 +18,7 @@ using LatticePoint = std::array<std::int32_t, 3>;
 /// Returns i^2 + j^2 + k^2.
 std::int64_t squaredNorm(const LatticePoint& point);
 
-/// Numbers of the points around a lattice point, at most 26; allocates no memory.
+/// Lattice numbers of the points around a lattice point, at most 26. Needs no heap memory.
 using Neighbours = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1, Eigen::ColMajor, 26, 1>;
 
 /// An edge of a leaf cell, given by its two lattice points.
@@ -27,7 +27,8 @@ struct LatticeEdge {
   auto operator<=>(const LatticeEdge&) const = default;
 };
 
-/// Returns whether one of the sorted `edges` joins two lattice numbers, in either order.
+/// Returns whether one of the sorted `edges` joins the points with the numbers a and b, in either
+/// order.
 inline bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_t b) {
   return std::ranges::binary_search(edges, LatticeEdge{std::min(a, b), std::max(a, b)});
 }
@@ -43,12 +44,13 @@ inline constexpr std::array<LatticePoint, 26> neighbor_steps = [] {
   return all;
 }();
 
-/// Returns point n of the sequence of Roberts (2018), which fills the unit cube evenly at any
-/// length: the fractional parts of 0.5 + n / g^k for k = 1, 2, 3, with g^4 = g + 1.
+/// Returns point n of the sequence of Roberts (2018). The first points of this sequence, however
+/// many, fill the unit cube evenly. Coordinate k = 1, 2, 3 is the fractional part of 0.5 + n / g^k,
+/// with g^4 = g + 1.
 Eigen::Vector3d evenlySpread(std::int64_t n);
 
-/// Returns the point of the unit sphere with coordinate z (-1 to 1), `turn` (0 to 1) around the z
-/// axis. Preserves areas up to a factor (Archimedes).
+/// Returns the point of the unit sphere with the coordinate z (-1 to 1), at the angle of `turn`
+/// full turns (0 to 1) around the z axis. This map preserves areas up to a factor (Archimedes).
 Eigen::Vector3d onSphere(double z, double turn);
 
 /// The part of the workspace ball that a contact reaches if it can only push. These are the
@@ -76,8 +78,8 @@ struct PushedPart {
 /// within 0.2 % of radius/n, with n an integer, is rounded to radius/n, so that users may write
 /// 100/7 mm as 14.3 mm.
 ///
-/// The lattice may cover only a part of the ball (PushedPart). Points outside that part are left
-/// out, and the others are numbered in the same order.
+/// The lattice may cover only a part of the ball (PushedPart). Points farther than half a spacing
+/// outside that part are left out, and the others are numbered in the same order.
 ///
 /// Coordinates are integers in units of spacing / divisions, with divisions a power of two, so that
 /// points of refined cells and probes have integer coordinates too. Displacements of uniform points
@@ -95,7 +97,7 @@ class Lattice {
   /// memory and a second to make.
   Lattice(double radius, double spacing, std::int32_t divisions = 1, const PushedPart& part = {});
 
-  /// Makes a lattice with the origin as its only uniform point, to which other points are added.
+  /// Makes a lattice with the origin as its only uniform point. Other points can be added.
   static Lattice ofRest(double radius, double spacing, std::int32_t divisions);
 
   /// Error (bad input) unless radius and spacing are > 0, radius >= spacing, and the lattice would
@@ -137,13 +139,14 @@ class Lattice {
   std::int32_t extent_ = -1;  ///< largest coordinate of a uniform point, in spacings
   std::int32_t uniform_size_ = 0;
   std::vector<LatticePoint> points_;
-  /// Numbers of the points in a cube of (2 extent_ + 1)^3 positions; -1 where there is no point.
+  /// Lattice number at each of the (2 extent_ + 1)^3 positions of a cube; -1 where there is no
+  /// point.
   std::vector<std::int32_t> index_of_;
   std::map<LatticePoint, std::int32_t> added_;  ///< points outside the cube
 };
 
-/// Returns the number of the lattice point that a user has given by its coordinates in units of the
-/// spacing, which are fractions for points of refined cells. Error (bad input) that gives the
+/// Returns the number of the lattice point with these coordinates in units of the spacing, which a
+/// user has given. For points of refined cells they are fractions. Error (bad input) that gives the
 /// bounds if the lattice does not contain the point.
 std::int32_t pointNamed(const Lattice& lattice, const Eigen::Vector3d& in_spacings);
 
@@ -165,8 +168,9 @@ bool isSplit(const std::vector<LatticeCell>& splits, const LatticeCell& cell);
 /// Returns the cell of the next coarser level that contains `cell`, which must not be of level 0.
 LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions);
 
-/// A cell counts as reaching into the ball only if a part of it lies deeper inside than this, in
-/// radii. This excludes cells that only touch the sphere from outside, despite round-off.
+/// Depth inside the ball, in radii, that a part of a cell must exceed for the cell to count as
+/// reaching into the ball. This excludes cells that only touch the sphere from outside, despite
+/// round-off.
 inline constexpr double shallow_reach = 1e-10;
 
 /// Returns whether the cell reaches into the ball of the lattice.

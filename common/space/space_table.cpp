@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Returns whether a coordinate lies outside all cells that reach into the ball.
+/// Returns whether a coordinate of the point lies outside all cells that reach into the ball.
 bool isFarOutside(const LatticePoint& point, const Lattice& lattice) {
   const std::int64_t limit =
       static_cast<std::int64_t>(std::floor(lattice.radius() / lattice.spacing() * (1 + 1e-9)) + 1) *

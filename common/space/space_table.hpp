@@ -35,7 +35,7 @@ struct PointRecord {
 };
 
 /// Returns whether the force at the point exceeds the scene's max_force. Such a point is
-/// terminating, or its solve was abandoned because the force grew far larger.
+/// terminating, or its solve was abandoned because the force grew far beyond max_force.
 inline bool isBeyondForce(const PointRecord& record) {
   return record.tag == Tag::terminating ||
          (record.tag == Tag::failed && record.cause == Cause::beyond_force);
@@ -45,11 +45,11 @@ inline bool isBeyondForce(const PointRecord& record) {
 /// interpolation, so no interpolation may use them.
 struct Probe {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
-  /// Its parent is a lattice point; the tag is unknown only in an incomplete build.
+  /// The parent is a lattice point. The tag is unknown only in an incomplete build.
   PointRecord record;
 };
 
-/// Numbers of probes by result. All programs use these definitions.
+/// Counts of probes by result. All programs use these definitions.
 struct ProbeCounts {
   std::size_t all = 0;
   std::size_t within_force = 0;  ///< solved within max_force; error statistics use these
@@ -67,7 +67,7 @@ struct ProbeCounts {
 /// with number n.
 struct SpaceTable {
   ActivePatch patch;
-  /// N, Workspace::max_force of the scene; the default is that of the weakest device.
+  /// N, Workspace::max_force of the scene; the default is the limit of the weakest device.
   double max_force = 3.3;
   Lattice lattice;
   std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by coarserFirst
@@ -119,14 +119,14 @@ bool hasSolvedPoint(const SpaceTable& space);
 /// Returns the largest force of the solved points, N.
 double largestForce(const SpaceTable& space);
 
-/// Returns the element of `sites`, which are indices into `spaces`, with the finger nearest to a
-/// place, metres.
+/// Returns the site whose finger is nearest to `place` (metres). `sites` and the result are indices
+/// into `spaces`.
 std::size_t nearestSite(const std::vector<SpaceTable>& spaces,
                         const std::vector<std::size_t>& sites, const Eigen::Vector3d& place);
 
-/// Returns for each point, by lattice number, whether interpolation uses it. It uses a solved point
-/// unless the point is terminating and its force exceeds the limit of largest_force_share. At all
-/// other points data are extrapolated from neighbours.
+/// Returns for each point, by lattice number, whether interpolation uses it. Interpolation uses all
+/// solved points except terminating ones whose force exceeds the limit of largest_force_share. At
+/// all other points data are extrapolated from neighbours.
 std::vector<bool> interpolatedPoints(const SpaceTable& space);
 
 /// Describes the first inconsistency of a space as a clause for an error message ("probe 3 lies

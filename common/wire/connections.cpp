@@ -76,8 +76,8 @@ void Connections::watch(const std::stop_token& stop) {
 }
 
 /// Returns the record of the connection that now has the descriptor; makes it if necessary, because
-/// a message may be read before the event that its connection was accepted. The record of an ended
-/// connection remains until its descriptor is reused or keepDescriptors() runs.
+/// a message may be read before the event that reports its connection as accepted. The record of an
+/// ended connection remains until its descriptor is reused or keepDescriptors() runs.
 Connections::Connection& Connections::of(int descriptor) {
   Connection& connection = connections_[descriptor];
   // If the cookie is 0, the connection has ended, but its last messages may still arrive; keep the

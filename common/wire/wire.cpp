@@ -124,7 +124,7 @@ std::string withAddress(const std::string& endpoint) {
   return fmt::format("tcp://{}:{}", found.text, port);
 }
 
-/// Removes unknown fields, which Protobuf would otherwise keep and send on. Returns whether there
+/// Removes unknown fields, which Protobuf would otherwise keep and forward. Returns whether there
 /// were any. Protobuf does not remove unknown fields inside maps, but no message of the protocol
 /// contains a map.
 bool dropUnknownFields(google::protobuf::Message& message) {

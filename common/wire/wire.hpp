@@ -88,8 +88,8 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
                                const std::shared_ptr<const std::string>& payload,
                                const std::shared_ptr<const void>& until_sent = nullptr);
 
-/// Returns the key of the sender of a frame, which a ZapHandler has authenticated (curve.hpp);
-/// nullopt without a ZapHandler.
+/// Returns the key with which a ZapHandler (curve.hpp) authenticated the sender of a frame; nullopt
+/// without a ZapHandler.
 std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
 /// Returns whether this program knows all fields of the message, and removes unknown fields. Hello
