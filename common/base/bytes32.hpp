@@ -19,7 +19,7 @@ std::string base64Of(std::string_view bytes);
 /// 32 bytes that identify something: a hash or a key.
 class Bytes32 {
  public:
-  Bytes32() = default;  ///< all zero: identifies nothing
+  Bytes32() = default;  ///< 32 zero bytes, which identify nothing
   /// Returns the BLAKE2b-256 hash of `bytes`.
   static Bytes32 of(std::string_view bytes);
   /// Parses 64 hexadecimal digits; nullopt for anything else.
@@ -40,8 +40,8 @@ class Bytes32 {
   std::array<std::uint8_t, 32> bytes_{};
 };
 
-/// Initialises libsodium. Call this before any direct call to libsodium. Calls may be repeated,
-/// from any thread. Error if the initialisation fails.
+/// Initialises libsodium. Call this before any direct call to libsodium. It may be called
+/// repeatedly, from any thread. Error if the initialisation fails.
 void startSodium();
 
 /// Returns `count` unpredictable bytes from the system. Error if the system fails.
@@ -62,8 +62,8 @@ class ContentHasher {
   alignas(64) std::array<std::byte, 384> state_;  ///< crypto_generichash_state
 };
 
-/// Returns the bytes of a contiguous array of plain values, for hashing and sending. Little-endian
-/// machines only.
+/// Returns the bytes of a contiguous array of plain values, for hashing and sending. For
+/// little-endian machines only.
 template <class T>
 std::string_view bytesOf(std::span<T> values) {
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};

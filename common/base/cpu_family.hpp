@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Instruction sets for which hot loops are compiled, slowest first. Two families compute the same
-/// results up to rounding, but not the same bits.
+/// Families of CPUs, by the instruction sets for which hot loops are compiled, slowest first. Two
+/// families compute the same results up to rounding, but not the same bits.
 enum class CpuFamily {
   baseline,  ///< x86-64
   avx2,      ///< AVX2 and FMA
@@ -29,8 +29,9 @@ constexpr std::string_view blasKernelsOf(CpuFamily family) {
   return names[static_cast<std::size_t>(family)];
 }
 
-/// Names the element kernels and the OpenBLAS kernels, as in "avx2/Haswell". Together they
-/// determine the bits of a result. The name depends on the family alone, not on the CPU model.
+/// Returns the names of the element kernels and the OpenBLAS kernels, such as "avx2/Haswell".
+/// Together they determine the bits of a result. The names depend on the family alone, not on the
+/// CPU model.
 inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
 }

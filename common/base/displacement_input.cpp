@@ -49,7 +49,7 @@ std::vector<std::string> wordsIn(std::string line) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
-/// Adds an option for three numbers, or for - alone.
+/// Adds an option whose value is three numbers or a single -.
 CLI::Option* addTriple(CLI::App& app, const char* name, std::vector<std::string>& words,
                        const char* help) {
   CLI::Option* const option = app.add_option(name, words, help)->expected(1, 3);

@@ -14,16 +14,16 @@ class Option;
 
 namespace palpate {
 
-/// Adds the option `--displacement X Y Z` (metres), or `--displacement -` to read one "X Y Z" per
-/// line from standard input, for `solve` and `query`. Negative numbers such as -0.5 are read as
-/// numbers, not as options.
+/// Adds the option --displacement of `solve` and `query`. Its value is X Y Z (metres), or - to read
+/// one "X Y Z" per line from standard input. Negative numbers such as -0.5 are read as numbers, not
+/// as options.
 CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words);
 
-/// Adds the option `--at X Y Z` (metres), or `--at -` with `--displacement -` to read six numbers
-/// per line.
+/// Adds the option --at. Its value is X Y Z (metres), or -, which requires `--displacement -`; then
+/// each line has six numbers.
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words);
 
-/// Words of either option that stand for standard input.
+/// Value of either option that stands for standard input.
 inline const std::vector<std::string> from_input = {"-"};
 
 /// Place of a finger on the surface and displacement there, metres.

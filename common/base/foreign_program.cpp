@@ -120,7 +120,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
     if (ended < 0 && errno != EINTR) throw failure("cannot wait for a program: {}", errnoText());
     if (why == WhyEnded::by_itself && program.heeds_interrupts && interrupted()) {
       why = WhyEnded::interrupted;
-      kill(-child, SIGTERM);  // with the child's own children
+      kill(-child, SIGTERM);  // also ends the child's own children
       deadline = std::chrono::steady_clock::now() + time_to_tidy;
     }
     if (std::chrono::steady_clock::now() > deadline) {

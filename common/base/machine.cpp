@@ -28,8 +28,8 @@ std::optional<double> numberIn(std::istream&& file) {
 /// Lowers `cores` to the limit of a control group, if it has one.
 void lowerToLimitOf(const std::filesystem::path& group, std::optional<double>& cores) {
   const auto lower = [&](double to) { cores = std::min(cores.value_or(to), to); };
-  // In version 2, cpu.max holds the allowed processor time per period and the period, both in
-  // microseconds.
+  // In version 2 of control groups, cpu.max holds the allowed processor time per period, then the
+  // period, both in microseconds.
   std::ifstream together(group / "cpu.max");
   double quota = 0, period = 0;
   if (together >> quota >> period && quota > 0 && period > 0) lower(quota / period);

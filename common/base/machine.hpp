@@ -27,8 +27,8 @@ std::optional<double> coresOfGroups(const std::filesystem::path& groups = "/proc
 /// requireMemory() with this size, because OpenBLAS 0.3.29 and later waits forever if the system
 /// refuses its memory. It requests the memory while it is loaded, before main() runs.
 inline constexpr std::size_t memory_of_a_solver = 384u << 20;
-/// Error, with the limit and the remedy, if the system does not grant this process that many bytes
-/// now. Frees them before it returns.
+/// Tests whether the system grants this process that many bytes now, and frees them. Error, with
+/// the limit and the remedy, if it does not.
 void requireMemory(std::size_t bytes);
 
 }  // namespace palpate

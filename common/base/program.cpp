@@ -90,7 +90,7 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
   }
 }
 
-/// Adds the meaning of the exit codes to the verb's --help, unless its text already has them.
+/// Adds the meaning of the exit codes to the verb's --help, unless its text already explains them.
 void sayExitCodes(CLI::App& verb) {
   const std::string own = verb.get_footer();
   if (own.find("Exit codes:") != std::string::npos) return;

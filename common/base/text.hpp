@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// Length, in bytes, to which printable() cuts a whole sentence from a peer or an external program,
-/// such as the reason for a refusal. Names are cut to the default length of printable().
+/// Value of `most` in printable() for a whole sentence from a peer or an external program, such as
+/// the reason for a refusal. For names the default is used.
 inline constexpr std::size_t longest_reason = 500;
 
 /// Makes text from a peer safe to display. Cuts it to `most` bytes and replaces everything but

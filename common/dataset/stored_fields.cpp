@@ -87,7 +87,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
   if (n_pressures > 0)
     pressures.emplace(out, pressure_path, hdf5::Element::float32, hdf5::Shape{n_rows, n_pressures},
                       "Pa", hdf5::RowLayout::compressed);
-  std::vector<float> steps;  // m, of quantized displacements
+  std::vector<float> steps;  // quantization steps, m
   std::vector<ContentId> hashes;
   for (std::size_t s = 0; s < spaces.size(); ++s)
     for (std::int32_t n = 0; n < spaces[s]->points(); ++n) {

@@ -70,7 +70,7 @@ void forEachTable(const Visit& visit) {
   visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts, attempt_count);
 }
 
-// Each of these functions calls visit(path, unit, part) for each column of a table, with `part` the
+// Each of these functions calls visit(path, unit, part) for each column of a table. `part` is the
 // member of a row that the column holds. The optional fourth argument tells whether a row has a
 // value. In the file, the other rows have nothing().
 
@@ -99,10 +99,10 @@ void forEachAttemptColumn(const Visit& visit) {
   visitFailure("/attempts/mumps_infog2", "1", &Failure::mumps_infog2);
 }
 
-/// Visits the columns of the PointRecord recordOf(row), which /points and /probes (`group`) both
-/// have. The tag is the first column, because it decides whether a row has values in the other
-/// columns. `with_drive` says whether some space belongs to a finger. If not, the columns of
-/// FingerSlopes are left out, as in older files.
+/// Visits the columns that /points and /probes (`group`) have in common: those of the PointRecord
+/// that recordOf(row) returns. The tag is the first column, because it decides whether a row has
+/// values in the other columns. `with_drive` says whether some space belongs to a finger. If not,
+/// the columns of FingerSlopes are left out, as in older files.
 template <class RecordOf, class Visit>
 void forEachRecordColumn(const std::string& group, const RecordOf& recordOf, bool with_drive,
                          const Visit& visit) {

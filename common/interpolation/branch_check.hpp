@@ -47,7 +47,7 @@ EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Ei
 /// ones, both the whole edge of the coarse leaf and its two halves are tested. Any thread.
 ///
 /// The thresholds were chosen on liver-493 (Mooney-Rivlin, eight active nodes, 33 mm spacing,
-/// pushed up to 100 mm inwards). To know which edges have a jump, every edge was solved in 32 steps
+/// pushed up to 100 mm inwards). To find the edges with a jump, every edge was solved in 32 steps
 /// from either end. Of 2177 smooth edges, none is inconsistent and 56 are suspect. Of 79 edges with
 /// a jump, 35 are inconsistent and 74 suspect; the other 5 have mismatches below 2 N. All jumps
 /// that pass as consistent change the stiffness more than the force, and smooth interpolation

@@ -100,7 +100,8 @@ class Fitter {
     return sources;
   }
 
-  /// Determines for each point at a slot up to which order its data are used (LocalFits::judge).
+  /// Determines the highest order of the data that is used, for each point at a slot
+  /// (LocalFits::judge).
   void findKnown() {
     known_.assign(space_.points.size(), fits_.kind().known);
     if (!fits_.kind().highest_known_are_judged) return;

@@ -29,8 +29,8 @@ std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceT
 /// Returns the polynomials of all slots. `ghosts` is the result of ghostPolynomials(), which takes
 /// nearly all of the time. The polynomial of a solved slot reproduces the slot's own data exactly.
 /// Its higher derivatives are fitted to the solved corners of the adjacent leaves. Corners are left
-/// out if an inconsistent edge joins them to the slot or to a nearer corner that is used. Hanging
-/// slots get zero.
+/// out if an inconsistent edge joins them to the slot or to a nearer corner that is used. The
+/// polynomials of hanging slots are zero.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts, LocalFits& fits);

@@ -73,7 +73,7 @@ KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
 // Weights and penalties, chosen to reduce the errors at 1000 exact solutions in balls of 60 and 100
 // mm, with spacings from 15 to 33 mm. Penalties ten times as large or small change the errors by
 // about 10 %. Without a penalty on the fifth degree, however, the errors at the rim double.
-// smallest_penalty makes derivatives zero that the sources together do not determine.
+// smallest_penalty makes those derivatives zero that the sources together do not determine.
 constexpr double smallest_penalty = 1e-6;
 constexpr double distance_power = 4;  // weight of a source = distance^-distance_power
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},

@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-/// The words of roles. `operator` comes before `observer`, which that role includes.
+/// The words of roles. `operator` comes before `observer`, because it includes that role.
 constexpr std::array<std::pair<std::string_view, Roles>, 3> role_words = {
     {{"worker", Roles::worker},
      {"operator", Roles::system_operator},

@@ -11,7 +11,7 @@ namespace palpate {
 /// Immutable, so any thread may use it.
 class FreeShare {
  public:
-  /// radius > 0, metres; `fixed` sorted.
+  /// `radius` must be > 0, metres, and `fixed` sorted.
   FreeShare(const Mesh& mesh, const NodeSet& fixed, double radius);
   /// Returns whether FingerWeights::free_share of a finger at `center` is below `share`, 0 to 1.
   /// Always false if the finger reaches no triangle with a fixed node. Real time: takes a few
@@ -24,7 +24,8 @@ class FreeShare {
   struct Part {
     Eigen::AlignedBox3d box;
     Eigen::Matrix3d corners;  ///< one per column, m
-    /// 1 if free, 0 if fixed; for the corners, then for the mid-edge nodes of edges 01, 12 and 20.
+    /// 1 for a free node, 0 for a fixed one: the corners, then the mid-edge nodes of edges 01, 12
+    /// and 20.
     std::array<double, 6> free{};
     bool is_quadratic = false;
   };

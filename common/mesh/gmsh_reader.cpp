@@ -357,7 +357,7 @@ class GmshText {
     const std::vector<std::string> names = tags("the number of string tags");
     tags("the number of real tags");
     nextLine();
-    std::vector<std::size_t> integers;  // time step, components, elements
+    std::vector<std::size_t> integers;  // time step, number of components, number of elements
     eachLine(lines_.takeCount("the number of integer tags"),
              [&] { integers.push_back(lines_.takeCount("an integer tag")); });
     // Ignore further integer tags (a partition). Missing tags count as 0.

@@ -280,7 +280,7 @@ void addMidEdgeNodes(Mesh& mesh) {
   }
   for (auto& [name, nodes] : mesh.node_groups) {
     const NodeSet vertices = nodes;
-    // Node numbers ascend with the edges, so the group stays sorted.
+    // Mid-edge nodes are numbered in the order of the edges, so the group stays sorted.
     for (const auto& [a, b] : mesh.edges)
       if (contains(vertices, a) && contains(vertices, b)) nodes.push_back(midEdgeNode(mesh, a, b));
   }

@@ -27,12 +27,12 @@ inline constexpr double farthest_node = 1e12;
 struct Mesh {
   std::vector<Eigen::Vector3d> nodes;   ///< rest positions, metres
   std::vector<Tetrahedron> tetrahedra;  ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
-  std::vector<Triangle> surface;  ///< faces of exactly one tetrahedron, normals outward; derived
+  std::vector<Triangle> surface;        ///< faces of exactly one tetrahedron, normals outward
   /// Sorted nodes of each named physical group, of any dimension.
   std::map<std::string, NodeSet> node_groups;
   /// Sorted tetrahedra of each named physical group of dimension 3.
   std::map<std::string, std::vector<std::int32_t>> element_groups;
-  /// One vector per tetrahedron for each name ($ElementData with three components).
+  /// One vector per tetrahedron, for each name of $ElementData with three components.
   std::map<std::string, std::vector<Eigen::Vector3d>> element_vectors;
   /// The edges of a quadratic mesh (addMidEdgeNodes). The mid-edge node of edge e is vertices() +
   /// e.
@@ -42,7 +42,7 @@ struct Mesh {
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
   std::vector<std::string> unused_names;  ///< names of the file's groups without elements
   std::int32_t dropped_nodes = 0;         ///< nodes of the file that no tetrahedron used
-  /// Number of tetrahedra that had negative volume in the file; two of their nodes were swapped.
+  /// Number of tetrahedra that had negative volume in the file; two nodes of each were swapped.
   std::int32_t reoriented_tetrahedra = 0;
 };
 
@@ -102,8 +102,8 @@ std::vector<Edge> coincidentNodes(const std::vector<Eigen::Vector3d>& nodes, dou
 /// nodes can turn around the line.
 bool areCollinear(const NodeSet& nodes, const Mesh& mesh);
 
-/// Shape measure (shapeOf; 1 regular, 0 flat) below which tetrahedra spoil the conditioning and are
-/// the first to invert.
+/// Tetrahedra with a shape measure (shapeOf; 1 regular, 0 flat) below this make the equations
+/// ill-conditioned and are the first to invert.
 inline constexpr double near_flat_shape = 0.1;
 
 /// Measurements of a mesh that `palpate check` prints.

@@ -8,7 +8,7 @@
 /// formats (worker/meshing).
 namespace palpate {
 
-/// Reads a Gmsh .msh file, version 2.2 or 4.1, ASCII, with either kind of line end, and finishes it
+/// Reads a Gmsh .msh file, version 2.2 or 4.1, ASCII, with LF or CRLF line ends, and finishes it
 /// (finishMesh, refuseOverlaps). Coordinates become metres (toMetres). Volume elements must be
 /// tetrahedra of 4 nodes, or of 10 nodes with straight edges. The mid-edge nodes of the file are
 /// dropped, because addMidEdgeNodes() makes new ones where they are needed. Point, line and surface

@@ -35,7 +35,7 @@ std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::st
       quality.worst_shape, quality.worst_element);
   if (mesh.dropped_nodes > 0)
     fmt::format_to(out,
-                   "           note: dropped {} without a tetrahedron; later ones renumbered\n",
+                   "           note: {} without a tetrahedron dropped; later nodes renumbered\n",
                    counted(mesh.dropped_nodes, "node"));
   if (mesh.reoriented_tetrahedra > 0)
     fmt::format_to(out, "           note: {} had negative volume; two nodes of each were swapped\n",
@@ -60,8 +60,8 @@ std::vector<std::string> unjoinedText(const Mesh& mesh, const MeshQuality& quali
   }
   if (!quality.hinges.empty())
     text.push_back(fmt::format(
-        "its {} meet in {} without a common face, the first is node {} at {}: they turn there as "
-        "on hinges; join them by faces",
+        "the {} of the body meet without a common face in {}, the first is node {} at {}: the "
+        "pieces turn there as on hinges; join them by faces",
         counted(quality.pieces, "piece"), counted(quality.hinges.size(), "node"),
         quality.hinges.front(), placeText(mesh.nodes[quality.hinges.front()], 4)));
   return text;

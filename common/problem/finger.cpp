@@ -19,8 +19,8 @@ constexpr double both_sides = 0.35;
 /// and the inward normal.
 constexpr double lean_cosine = 0.25881904510252074, lean_sine = 0.9659258262890683;
 
-/// Largest component along the surface of a pushed displacement, in finger radii. Deep
-/// displacements into soft parts go inward rather than sideways.
+/// Largest component along the surface of a displacement that pushing reaches, in finger radii.
+/// Deep displacements into soft parts go inward rather than sideways.
 constexpr double pushed_width = 1.5;
 
 /// Returns the mean of the unit normals under the finger, weighted by the finger's bump.

@@ -69,7 +69,7 @@ PressureSlots pressureSlots(const Problem& problem);
 ///   length_unit);
 /// - a selector selects nothing, or a group or node does not exist;
 /// - the selector of an active node selects only fixed nodes;
-/// - the fixed set is empty, contains every node, or lies on one line in a component of the mesh;
+/// - the fixed set is empty or contains every node;
 /// - a tetrahedron is in no region or in two;
 /// - a region names a group that does not exist, or contains no tetrahedron;
 /// - a material takes its fibres from element vectors that the mesh lacks or that are zero;
@@ -79,8 +79,8 @@ PressureSlots pressureSlots(const Problem& problem);
 ///   than three nodes;
 /// - a finger is as wide as the body, rests mostly on fixed nodes, or is so small that its surface
 ///   needs more than max_sites sites;
-/// - a component of the mesh has no fixed nodes, and shares no nodes with the others, or only nodes
-///   on one line;
+/// - a component of the mesh can move freely: its fixed nodes and the nodes that it shares with
+///   other held components lie on one line, or there are no such nodes;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
 ///
 /// Input that is doubtful but can be computed is not an Error; warningsOf() reports it

@@ -21,10 +21,10 @@ namespace {
 constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
 /// A stretch far beyond the range that tissue endures or max_force allows.
 constexpr double largest_stretch = 3;
-/// Smallest ratio of the bulk modulus to the moduli of matrix and fibres. The energy of fibres
-/// depends on their isochoric stretch, which differs from their actual stretch if the bulk modulus
-/// is smaller. With a bulk modulus of 2, 10 and 50 times k1, the measured force on a cube pulled
-/// along its fibres is 29, 11 and 3 % too small.
+/// Smallest ratio of the bulk modulus to the larger of the moduli of matrix and fibres. The energy
+/// of fibres depends on their isochoric stretch, which differs from their actual stretch if the
+/// bulk modulus is smaller. With a bulk modulus of 2, 10 and 50 times k1, the measured force on a
+/// cube pulled along its fibres is 29, 11 and 3 % too small.
 constexpr double fibres_need_bulk = 50;
 /// A region whose Young's modulus is more than this multiple of the smallest shear modulus holds
 /// its neighbours as fixed nodes do.
@@ -86,13 +86,13 @@ class Warnings {
     if (material.density && !(*material.density >= 500 && *material.density <= 3000))
       warn("{}: density = {:.4g} kg/m^3, but tissue has 900 to 2000{}", named(region),
            *material.density,
-           *material.density >= 0.5 && *material.density <= 3 ? "; its number looks like g/cm^3"
+           *material.density >= 0.5 && *material.density <= 3 ? "; if it is in g/cm^3, convert it"
                                                               : "");
     if (material.law != LawName::holzapfel_gasser_ogden) return;
     if (material.k1 < 0.1 * material.mu)
       warn(
           "{}: k1 = {:.4g} Pa is less than a tenth of mu = {:.4g} Pa, so the fibres carry almost "
-          "no load; its number looks like {}",
+          "no load; if k1 is in {}, convert it",
           named(region), material.k1, material.mu,
           material.k1 * 1e3 < 0.1 * material.mu ? "MPa" : "kPa");
     if (material.bulk && *material.bulk < fibres_need_bulk * std::max(material.mu, material.k1))

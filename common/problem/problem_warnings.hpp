@@ -12,8 +12,8 @@ namespace palpate {
 ///   modulus, density or fibre stiffness that suggests another unit;
 /// - a law that is not stable at the strains of the workspace, and fibres with a small bulk
 ///   modulus;
-/// - pressure spaces that violate the inf-sup condition, elements without a pressure that lock, and
-///   single layers of elements between rigid parts;
+/// - pressure spaces that violate the inf-sup condition, elements that lock because they have no
+///   pressure, and single layers of elements between the tool and a fixed or nearly rigid part;
 /// - nearly flat tetrahedra;
 /// - a position `near` that is farther from the surface than the mean edge length;
 /// - a workspace much larger than the distance from the active nodes to the fixed nodes;

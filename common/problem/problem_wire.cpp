@@ -1,4 +1,4 @@
-// Encoding of a problem as bytes, and its id.
+// Encodes a problem as bytes and computes its id.
 
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>

@@ -153,8 +153,8 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
         "make radius larger, or the surface smaller",
         radius, max_sites);
   };
-  // A site covers at most a disk, so the area gives a lower bound for the number of sites. Check it
-  // first, before the surface is divided into a huge number of pieces.
+  // A site covers at most a disk, so the area gives a lower bound for the number of sites. Check
+  // this bound first, before the surface is divided into a huge number of pieces.
   const double disk = std::numbers::pi * std::pow(distance * radius, 2);
   if (areaOf(mesh, triangles) > static_cast<double>(max_sites) * disk) refuse();
   // Pieces are also needed around the triangles to cover, because a finger at their rim reaches

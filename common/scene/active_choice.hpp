@@ -9,8 +9,8 @@ struct ActiveChoice {
   std::vector<std::size_t> spaces;  ///< one space, or the sites of an area
   std::string name;                 ///< name of the active node or area
   bool is_area = false;
-  bool is_finger = false;  ///< whether its tool is a finger; true for every area
-  /// Indices of the probes of an area, as in Dataset::probePlaces.
+  bool is_finger = false;  ///< whether the tool is a finger; true for every area
+  /// Indices into Dataset::probePlaces() of the probe places of an area.
   std::vector<std::size_t> probe_places = {};
 };
 

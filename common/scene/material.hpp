@@ -12,7 +12,7 @@ namespace palpate {
 /// A term of Ogden's energy: mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3), with mu alpha > 0.
 struct OgdenTerm {
   double mu = 0;     ///< Pa
-  double alpha = 0;  ///< -
+  double alpha = 0;  ///< dimensionless
   bool operator==(const OgdenTerm&) const = default;
 };
 
@@ -30,8 +30,8 @@ struct Material {
   double c20 = 0, c30 = 0;  ///< Pa; yeoh; c30 >= 0
   double mu = 0;            ///< Pa, > 0; neo-hookean, holzapfel-gasser-ogden (its ground matrix)
   std::vector<OgdenTerm> ogden = {};  ///< 1 to 3 terms
-  double c1 = 0, c2 = 0;              ///< veronda-westmann: Pa and -, both > 0
-  double k1 = 0, k2 = 0;              ///< holzapfel-gasser-ogden: Pa and -, both > 0
+  double c1 = 0, c2 = 0;              ///< veronda-westmann: c1 in Pa, c2 dimensionless; both > 0
+  double k1 = 0, k2 = 0;  ///< holzapfel-gasser-ogden: k1 in Pa, k2 dimensionless; both > 0
   double dispersion = 0;  ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
   /// One or two unit directions at rest (holzapfel-gasser-ogden), else empty.
   std::vector<Eigen::Vector3d> fibers = {};
@@ -50,8 +50,9 @@ struct Material {
 bool isCompressible(LawName law);
 /// Returns whether the material requires det F = 1 exactly, and therefore a pressure.
 bool isIncompressible(const Material& material);
-/// Returns whether the material has a pressure unknown if the discretisation has a pressure space.
-/// False for the laws linear and st-venant-kirchhoff unless the material is nearly incompressible.
+/// Returns whether the pressure is an unknown in this material, provided that the discretisation
+/// has a pressure space. False for the laws linear and st-venant-kirchhoff unless the material is
+/// nearly incompressible.
 bool isMixed(const Material& material);
 /// Returns the shear modulus at rest, Pa. Pressures and residuals are scaled by it.
 double shearModulus(const Material& material);
@@ -71,8 +72,8 @@ std::optional<Softening> softeningOf(const Material& material);
 /// Returns the largest Young's modulus at rest divided by the smallest shear modulus. `materials`
 /// must not be empty.
 double contrastOf(const std::vector<Material>& materials);
-/// Returns whether linear tetrahedra without a pressure lock (Poisson's ratio > 0.49). False for
-/// exactly incompressible materials, which have a pressure.
+/// Returns whether linear tetrahedra lock unless they have a pressure (Poisson's ratio > 0.49).
+/// False for exactly incompressible materials, which have a pressure.
 bool isNearlyIncompressible(const Material& material);
 
 }  // namespace palpate

@@ -90,7 +90,7 @@ void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
     taken.insert(taken.end(), some.begin(), some.end());
   for (const std::string_view key : material_keys)
     if (section.has(key) && std::ranges::find(taken, key) == taken.end())
-      throw section.wrong(key, "law \"{}\" does not take this key; it needs {}, and accepts {}",
+      throw section.wrong(key, "law \"{}\" does not use this key; it requires {}, and accepts {}",
                           word(law), listed(keys.needed, "and"), listed(keys.optional, "and"));
 }
 
@@ -99,7 +99,7 @@ double numberOf(const TomlSection& section, const NumberKey& number) {
       number.sign == Sign::positive ? &TomlSection::positive : &TomlSection::number;
   const double value = section.require(number.key, number.meaning, reading);
   if (number.sign == Sign::not_negative && value < 0)
-    throw section.wrong(number.key, "{} must not be negative", value);
+    throw section.wrong(number.key, "must not be negative, but is {}", value);
   return value;
 }
 
@@ -109,7 +109,7 @@ double poissonOf(const TomlSection& section) {
   if (!(poisson > -1 && poisson < 0.5))
     throw section.wrong(
         "poisson",
-        "{} must be greater than -1 and less than 0.5 (for an incompressible tissue use "
+        "must be greater than -1 and less than 0.5, not {} (for an incompressible tissue use "
         "modified-st-venant-kirchhoff, mooney-rivlin or another law)",
         poisson);
   return poisson;
@@ -169,7 +169,8 @@ void readFibers(const TomlSection& section, Material& material) {
 double dispersionOf(const TomlSection& section) {
   const double dispersion = section.optional("dispersion", &TomlSection::number).value_or(0);
   if (!(dispersion >= 0 && dispersion <= 1.0 / 3))
-    throw section.wrong("dispersion", "{} must lie between 0 (aligned) and 1/3 (in all directions)",
+    throw section.wrong("dispersion",
+                        "must be between 0 (aligned) and 1/3 (in all directions), not {}",
                         dispersion);
   return dispersion;
 }

@@ -104,7 +104,7 @@ void checkPressure(const TomlSection& section, const Discretization& d,
   if (d.pressure != PressureSpace::none && !anyMaterial(regions, isMixed))
     throw section.wrong(
         "pressure",
-        "the material is compressible and takes no pressure: write none, or leave it out");
+        "the material is compressible and has no pressure: write none, or omit this key");
 }
 
 Discretization readDiscretization(const TomlSection& root, const std::vector<Region>& regions) {
@@ -145,7 +145,7 @@ HalfSpace readHalfSpace(const TomlSection& section, bool below) {
                         "give either fraction (of the bounding box, 0 to 1) or at (a coordinate)");
   half.fraction = section.optional("fraction", &TomlSection::number);
   if (half.fraction && !(*half.fraction > 0 && *half.fraction <= 1))
-    throw section.wrong("fraction", "{} must be greater than 0 and at most 1", *half.fraction);
+    throw section.wrong("fraction", "must be greater than 0 and at most 1, not {}", *half.fraction);
   if (const auto plane = section.optional("at", &TomlSection::number))
     half.at = section.metres(*plane);
   return half;
@@ -211,12 +211,13 @@ ActiveSelection readActive(const TomlSection& section) {
   if (const toml::node* surface = section.find("surface"))
     active.surface = readSurface(section, *surface);
   const double radius = section.optional("radius", &TomlSection::number).value_or(0);
-  if (radius < 0) throw section.wrong("radius", "{} must not be negative", radius);
+  if (radius < 0) throw section.wrong("radius", "must not be negative, but is {}", radius);
   active.radius = section.metres(radius);
   active.tool = section.choice("tool", active.tool);
   active.area = section.optional("area", &TomlSection::text).value_or("");
   if (!active.area.empty() && active.surface)
-    throw section.wrong("area", "is only for fingers without surface; a surface is an area itself");
+    throw section.wrong(
+        "area", "is only for fingers without the key surface; a surface is already an area");
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
     throw section.wrong(
         "area", "\"{}\" may hold letters, digits, - and _ only, and needs tool = \"finger\"",
@@ -227,9 +228,9 @@ ActiveSelection readActive(const TomlSection& section) {
     throw section.wrong(
         "probe", "give both probe_of (an area) and probe (a displacement [x, y, z]), or neither");
   if (active.probe && (active.tool != ToolKind::finger || active.surface || !active.area.empty()))
-    throw section.wrong("probe_of", "needs tool = \"finger\" without surface and area");
+    throw section.wrong("probe_of", "needs tool = \"finger\", and neither surface nor area");
   if (active.tool != ToolKind::rigid && active.radius == 0)
-    throw section.wrong("tool", "{} is a mean over its radius, which must be greater than 0",
+    throw section.wrong("tool", "{} averages over the radius, which must be greater than 0",
                         word(active.tool));
   return active;
 }
@@ -324,8 +325,8 @@ Accuracy readAccuracy(const TomlSection& root) {
   section->read("force_error", accuracy.force_error, &TomlSection::number);
   if (section->has("force_error") && !(accuracy.force_error > 0 && accuracy.force_error < 1))
     throw section->wrong("force_error",
-                         "{} must be between 0 and 1: 0.03 allows an error of 3 %; "
-                         "leave it out for a uniform lattice",
+                         "must be between 0 and 1, not {}: 0.03 allows an error of 3 %; "
+                         "omit this key for a uniform lattice",
                          accuracy.force_error);
   section->read("force_floor", accuracy.force_floor, &TomlSection::positive);
   accuracy.levels = section->integer("levels", accuracy.levels, 0, max_levels);

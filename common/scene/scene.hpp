@@ -34,7 +34,7 @@ struct Region {
   KeyLines lines = {};
   /// Returns whether this is [material], to which the tetrahedra outside all other regions belong.
   bool isRest() const { return group.empty() && boxes.empty() && spheres.empty(); }
-  /// Returns the group, or the first box or sphere, for messages; empty for [material].
+  /// Returns a name for messages: the group, or the first box or sphere; empty for [material].
   std::string name() const;
   bool operator==(const Region&) const = default;
 };
@@ -145,7 +145,7 @@ struct Accuracy {
   /// where the estimated error is larger. 0 for a uniform lattice.
   double force_error = 0;
   double force_floor = 0.01;  ///< N; smaller errors are always allowed
-  std::int32_t levels = 3;    ///< how often a cell may be split, 0..6
+  std::int32_t levels = 3;    ///< largest number of successive splits of a cell, 0..6
   /// Number of probes per active node, 0..100000: exact solutions that interpolation does not use.
   /// If a finger touches a surface, the whole surface has this number of random probe places
   /// (probePlaces, common/problem/sites.hpp).

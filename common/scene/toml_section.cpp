@@ -64,7 +64,7 @@ double TomlSection::number(std::string_view key, const toml::node& node) const {
 
 double TomlSection::positive(std::string_view key, const toml::node& node) const {
   const double value = number(key, node);
-  if (!(value > 0)) throw wrong(key, "{} must be greater than 0", value);
+  if (!(value > 0)) throw wrong(key, "must be greater than 0, not {}", value);
   return value;
 }
 
@@ -112,7 +112,7 @@ std::int32_t TomlSection::integer(std::string_view key, std::int32_t otherwise, 
   const auto value = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
   if (!value) throw wrong(key, "an integer is expected, not {}", kindOf(*node));
   if (*value < lowest || *value > highest)
-    throw wrong(key, "{} must be between {} and {}", *value, lowest, highest);
+    throw wrong(key, "must be between {} and {}, not {}", lowest, highest, *value);
   return static_cast<std::int32_t>(*value);
 }
 

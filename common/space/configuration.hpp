@@ -14,7 +14,7 @@ namespace palpate {
 /// from these rounded values.
 struct NodalFields {
   std::vector<float> displacement;  ///< nNodes x 3, one row per node, metres
-  /// One per slot of Problem::pressures, Pa; empty without a pressure space.
+  /// One pressure per slot of Problem::pressures, Pa; empty without a pressure space.
   std::vector<float> pressure;
 
   /// Returns the displacement bytes, then the pressure bytes, little-endian.

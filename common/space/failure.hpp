@@ -22,7 +22,7 @@ enum class Cause : std::uint8_t {
   step_budget = 7,           ///< the transition was cut into more steps than the budget allows
   worker_lost = 8,           ///< every worker that tried it died
   unreachable = 9,   ///< the point has no expandable neighbour (Tag), so no transition was tried
-  limit_point = 10,  ///< the path turns back: the branch has no equilibrium beyond
+  limit_point = 10,  ///< the path turns back: the branch has no equilibrium beyond the turn
   /// The force on the finger grew so large that no interpolation would use the configuration.
   beyond_force = 11,
   /// The branch becomes unstable, and no stable branch was found that continues it.

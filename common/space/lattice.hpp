@@ -115,7 +115,7 @@ class Lattice {
   std::optional<std::int32_t> indexOf(const LatticePoint& point) const;
   /// Displacement of point `index`, metres.
   Eigen::Vector3d displacement(std::int32_t index) const { return displacementOf(points_[index]); }
-  /// Displacement, metres, of any coordinates, in the lattice or not.
+  /// Displacement at any coordinates, metres; the lattice need not contain them.
   Eigen::Vector3d displacementOf(const LatticePoint& point) const;
 
   /// Returns the up to 26 uniform points that differ from the uniform point `index` by at most one
@@ -142,11 +142,11 @@ class Lattice {
   /// Lattice number at each of the (2 extent_ + 1)^3 positions of a cube; -1 where there is no
   /// point.
   std::vector<std::int32_t> index_of_;
-  std::map<LatticePoint, std::int32_t> added_;  ///< points outside the cube
+  std::map<LatticePoint, std::int32_t> added_;  ///< lattice numbers of the other points
 };
 
-/// Returns the number of the lattice point with these coordinates in units of the spacing, which a
-/// user has given. For points of refined cells they are fractions. Error (bad input) that gives the
+/// Returns the number of the lattice point with these coordinates, which a user has given in units
+/// of the spacing. They are fractions for points of refined cells. Error (bad input) that gives the
 /// bounds if the lattice does not contain the point.
 std::int32_t pointNamed(const Lattice& lattice, const Eigen::Vector3d& in_spacings);
 

@@ -28,8 +28,8 @@ std::string faultOfSplits(const SpaceRows& space) {
     return "split cells are not sorted by level and lowest corner";
   for (std::size_t i = 0; i < splits.size(); ++i) {
     const LatticeCell& cell = splits[i];
-    // The table may come from a file, so check the level before a shift, which is undefined for 31
-    // and more.
+    // The table may come from a file, so check the level before it is used in a shift. A shift by
+    // 32 or more is undefined.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
       return fmt::format("split cell {} has the invalid level {}", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;

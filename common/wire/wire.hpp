@@ -26,12 +26,12 @@ inline constexpr std::uint32_t protocol_version = 4;
 /// the peer.
 inline constexpr int router_queue_length = 16;
 
-/// Largest payload frame. libzmq allocates a frame as soon as its length arrives, so a ROUTER
-/// refuses frames longer than honest peers send.
+/// Largest payload frame, bytes. libzmq allocates a frame as soon as its length arrives, so a
+/// ROUTER refuses frames longer than honest peers send.
 inline constexpr std::size_t payload_frame_bytes = 64 * 1024;
 
-/// Largest payload; receiveMessage() refuses larger ones. A mesh of 10 million nodes would exceed
-/// this limit, but meshes in practice are far smaller.
+/// Largest payload, bytes; receiveMessage() refuses larger ones. A mesh of 10 million nodes would
+/// exceed this limit, but meshes in practice are far smaller.
 inline constexpr std::size_t max_payload_bytes = 512u << 20;
 
 /// Makes the ZeroMQ call `call` and repeats it if a signal interrupts it, so that messages of
@@ -64,7 +64,7 @@ struct Incoming {
   /// set, ignore the message and its payload.
   std::string refusal = {};
   int connection = -1;        ///< descriptor of the connection; -1 on a DEALER
-  std::size_t bytes = 0;      ///< message and payload
+  std::size_t bytes = 0;      ///< size of message and payload
   bool reads_slowly = false;  ///< the sender's receive backlog is full; send it no payloads
 };
 
@@ -124,7 +124,7 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
 /// again whenever it tries to connect. Error (bad input) for an invalid endpoint.
 [[nodiscard]] std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint);
 
-/// Waits until a message arrives or the descriptor `wake_up` is readable, but at most for
+/// Waits until a message arrives or the descriptor `wake_up` is readable, but no longer than
 /// `longest`. Returns false if a signal interrupted it. Error on any other ZeroMQ failure.
 bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, int wake_up = -1);
 

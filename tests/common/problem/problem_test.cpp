@@ -217,7 +217,8 @@ TEST_F(Problem, AcceptsAComponentAttachedAtThreeNodes) {
   for (const Eigen::Vector3d& by : {Eigen::Vector3d(0.2, 0, 0), {0, 0.2, 0}, {0.1, 0.1, 0.1}})
     mesh = test::together(mesh, test::moved(cube, by));
   mesh = test::welded(mesh);
-  EXPECT_THAT(warningsOf(resolved()), Contains(HasSubstr("4 pieces meet in 3 nodes")));
+  EXPECT_THAT(warningsOf(resolved()),
+              Contains(HasSubstr("4 pieces of the body meet without a common face in 3 nodes")));
 }
 
 TEST_F(Problem, WarnsOfCoincidentNodes) {

@@ -92,7 +92,7 @@ TEST_F(ProblemWarnings, NameParametersThatAreNegligiblySmall) {
   EXPECT_THAT(warnings(), IsEmpty());
   material() = {.law = LawName::holzapfel_gasser_ogden, .mu = 3000, .k1 = 2.3, .k2 = 0.84};
   material().fibers = {Eigen::Vector3d::UnitZ()};
-  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("looks like kPa")));
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("k1 is in kPa")));
   material().k1 = 10000;
   EXPECT_THAT(warnings(), IsEmpty());
   material().bulk = 20000;
@@ -161,9 +161,9 @@ TEST(ReportedScenes, HaveTheWarningsOfTheirMistakes) {
                                              {"F4_bulk_100", "Poisson's ratio -0.864"},
                                              {"F4_bulk_2200", ""},
                                              {"F4_bulk_20000", ""},
-                                             {"F4_density_gcc", "looks like g/cm^3"},
+                                             {"F4_density_gcc", "in g/cm^3"},
                                              {"F4_density_si", ""},
-                                             {"F4_k1_kPa", "looks like kPa"},
+                                             {"F4_k1_kPa", "k1 is in kPa"},
                                              {"F8_linear_0499_P1", ""},
                                              {"F8_linear_0499_P2", ""},
                                              {"F8_penalty_P2_1e6", "remove pressure"},
