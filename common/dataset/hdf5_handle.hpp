@@ -9,8 +9,8 @@
 #include "common/base/error.hpp"
 
 /// Thin wrappers of the HDF5 C API for datasets and recordings. Like HDF5, they are not
-/// thread-safe. Only common/dataset, viewer/haptics/recording.cpp, viewer/report/dataset_facts.cpp
-/// and the main() of programs may use them.
+/// thread-safe. Only common/dataset, scheduler/builds/build.cpp, viewer/haptics/recording.cpp,
+/// viewer/report/dataset_facts.cpp and the main() of programs may use them.
 namespace palpate::hdf5 {
 
 /// Turns off HDF5's error output on stderr. Every Reader and Writer calls this.

@@ -348,8 +348,7 @@ bool writePatches(Writer& out, const SpacesToWrite& spaces) {
   }
   out.makeGroup("/patches");
   out.writeList(patch_node_path, nodes, "1");
-  // These arrays are left out of files that have only rigid tools, as in older versions of the
-  // format.
+  // Arrays that no tool needs are left out, as in older versions of the format.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
   if (with_finger) {
     out.writeList(finger_path, fingers, "m");

@@ -13,7 +13,7 @@ namespace palpate {
 /// tetrahedra of 4 nodes, or of 10 nodes with straight edges. The mid-edge nodes of the file are
 /// dropped, because addMidEdgeNodes() makes new ones where they are needed. Point, line and surface
 /// elements only contribute nodes to their physical groups. An element that version 2.2 repeats for
-/// each of its physical groups is read once.
+/// each of its physical groups is kept once.
 ///
 /// Physical groups of every dimension become node groups under their name. Groups of dimension 3
 /// also become element groups. Groups without a name are called "point 3", "curve 3", "surface 3"

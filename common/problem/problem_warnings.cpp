@@ -26,8 +26,8 @@ constexpr double largest_stretch = 3;
 /// bulk modulus is smaller. With a bulk modulus of 2, 10 and 50 times k1, the measured force on a
 /// cube pulled along its fibres is 29, 11 and 3 % too small.
 constexpr double fibres_need_bulk = 50;
-/// A region whose Young's modulus is more than this multiple of the smallest shear modulus holds
-/// its neighbours as fixed nodes do.
+/// A region whose Young's modulus is more than this multiple of the smallest shear modulus of all
+/// regions holds its neighbours as fixed nodes do.
 constexpr double rigid_contrast = 1e3;
 
 /// Lists names for a message, such as `"a", "b" and 398 more`.

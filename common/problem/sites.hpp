@@ -26,11 +26,11 @@ double siteDistance(const Scene& scene, double radius);
 /// (finger_weights.hpp). One site may therefore cover both sides of a thin lobe.
 ///
 /// A place is left out if nearly half or more of the finger would rest on `fixed` (sorted), or if
-/// its triangle is fixed. Such places are covered only as far as neighbouring sites reach. The
-/// number of sites depends on the shape of the surface and the radius, but not on the mesh, because
-/// triangles are divided into pieces of at most place_distance. The result is a deterministic
-/// function of the arguments. It is empty if the finger would rest on fixed nodes everywhere. Error
-/// (bad input) with a remedy if there are more than max_sites.
+/// all corners of its triangle are fixed. Such places are covered only as far as neighbouring sites
+/// reach. The number of sites depends on the shape of the surface and the radius, but not on the
+/// mesh, because triangles are divided into pieces of at most place_distance. The result is a
+/// deterministic function of the arguments. It is empty if the finger would rest on fixed nodes
+/// everywhere. Error (bad input) with a remedy if there are more than max_sites.
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius, double distance);
 

@@ -12,12 +12,12 @@ namespace palpate {
 /// state directory and the dataset. name() returns the word of a cause.
 enum class Cause : std::uint8_t {
   none = 0,                 ///< no failure
-  iteration_limit = 1,      ///< Newton used up its iterations while still descending
+  iteration_limit = 1,      ///< Newton used up its iterations or factorisations while descending
   line_search_stalled = 2,  ///< no step along the Newton direction reduced the residual
   /// det F <= 0 in the converged state, or earlier if ln det F must be computed.
   inverted_element = 3,
   wrong_inertia = 4,         ///< negative pivots show an unstable state or another branch
-  factorization_failed = 5,  ///< MUMPS gave up; mumps_infog has the reason
+  factorization_failed = 5,  ///< MUMPS failed (mumps_infog1), or could not refine its solution
   not_finite = 6,            ///< NaN or infinity in residual or tangent, or !isUsable()
   step_budget = 7,           ///< the transition was cut into more steps than the budget allows
   worker_lost = 8,           ///< every worker that tried it died
