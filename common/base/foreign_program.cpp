@@ -23,7 +23,7 @@
 namespace palpate {
 namespace {
 
-/// Returns a descriptor of the same file with a number above 2. `file` may have a lower number if
+/// Returns a descriptor of `file` with a number above 2. `file` itself may have a lower number if
 /// this process was started with stdin, stdout or stderr closed.
 FileDescriptor beyondStandard(FileDescriptor file) {
   if (file.get() > STDERR_FILENO) return file;

@@ -119,8 +119,8 @@ inline constexpr LocalFits::Kind finger_fit = {.known = KnownOrders::third,
                                                .most_extrapolated_from = 4,
                                                .most_completed_from = 6,
                                                .highest_known_are_judged = true};
-/// Settings for fits of a finger's drive, with first and second derivatives known, and of the
-/// slopes of the drive, with first derivatives known.
+/// Settings for fits of a finger's drive, whose first and second derivatives are known, and of the
+/// slopes of the drive, whose first derivatives are known.
 inline constexpr LocalFits::Kind finger_drive_fit = {.known = KnownOrders::curvature,
                                                      .highest_extrapolated = 3,
                                                      .highest_completed = 4,

@@ -190,7 +190,8 @@ class GmshText {
     for (int dimension = 0; dimension < 4; ++dimension)
       eachLine(counts[dimension], [&] {
         const Key entity = {dimension, takeTag("the tag of an entity")};
-        const int extents = dimension == 0 ? 3 : 6;  // numbers of a position, or of a bounding box
+        // A point has a position, any other entity a bounding box.
+        const int extents = dimension == 0 ? 3 : 6;
         for (int n = 0; n < extents; ++n) lines_.take<double>("the extent of an entity");
         const std::size_t n_physical =
             lines_.takeCount("the number of physical groups of an entity");

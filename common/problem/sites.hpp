@@ -30,7 +30,7 @@ double siteDistance(const Scene& scene, double radius);
 /// reach. The number of sites depends on the shape of the surface and the radius, but not on the
 /// mesh, because triangles are divided into pieces of at most place_distance. The result is a
 /// deterministic function of the arguments. It is empty if the finger would rest on fixed nodes
-/// everywhere. Error (bad input) with a remedy if there are more than max_sites.
+/// everywhere. Error (bad input) with a remedy if more than max_sites sites are needed.
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius, double distance);
 

@@ -36,7 +36,7 @@ class TomlSection {
   /// Returns the value of a required key; `meaning` describes it in the error if it is missing.
   const toml::node& require(std::string_view key, std::string_view meaning) const;
 
-  /// Returns the lines of the table and its keys.
+  /// Returns the line numbers of the table and of its keys.
   KeyLines lines() const;
 
   /// Makes an error about the value of `key`, or about the table if the key is absent.

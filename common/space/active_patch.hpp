@@ -38,8 +38,8 @@ struct ActivePatch {
   std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
   /// Empty for a rigid tool. A weighted-average tool has one weight per node. The weights have sum
   /// 1 and are proportional to the surface integral of the node's shape function times the bump
-  /// around the active node (bumpAt in bump_integrals.hpp). With P2 displacement some weights may be
-  /// negative, because quadratic shape functions are negative in places.
+  /// around the active node (bumpAt in bump_integrals.hpp). With P2 displacement some weights may
+  /// be negative, because quadratic shape functions are negative in places.
   std::vector<double> weights = {};
   /// Set for a finger, which may be centred anywhere on the surface. The weights are then computed
   /// by fingerWeights() around its centre (finger_weights.hpp), and `node` is the vertex in `nodes`

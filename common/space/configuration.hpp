@@ -112,7 +112,7 @@ struct Configuration {
   NodalFields fields;
 };
 
-/// The result of a transition, a configuration or a failure, and the work that it took.
+/// The result of a transition (a configuration or a failure) and its cost.
 struct Outcome {
   std::variant<Failure, Configuration> end;
   Cost cost;

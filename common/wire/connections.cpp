@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// Descriptors reserved for files and for clients that ask for the status.
+/// Number of descriptors reserved for files and for clients that ask for the status.
 constexpr std::size_t descriptors_of_our_own = 128;
 constexpr double seconds_of_messages = 2;
 constexpr std::size_t most_closed_told = 20;
