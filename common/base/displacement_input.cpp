@@ -16,8 +16,7 @@
 namespace palpate {
 namespace {
 
-/// Returns the numbers in `words`. Error unless they are finite and there are `count` (3 or 6) of
-/// them.
+/// Returns the numbers in `words`. Error unless there are `count` (3 or 6), all of them finite.
 std::vector<double> numbersIn(const std::vector<std::string>& words, std::size_t count,
                               const std::string& where) {
   if (words.size() != count)

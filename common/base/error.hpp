@@ -27,8 +27,7 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Returns errno as text. Call it directly after the failed call, because other calls may change
-/// errno.
+/// Returns errno as text. Call it directly after the failed call; other calls may change errno.
 inline std::string errnoText() {
   return errno == EFBIG ? "the file size limit is reached (ulimit -f)" : std::strerror(errno);
 }

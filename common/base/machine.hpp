@@ -12,8 +12,7 @@ namespace palpate {
 /// Returns the number of cores, at least 1.
 unsigned coreCount();
 
-/// Gives the calling thread, and all threads and programs that it starts later, the lowest
-/// priority.
+/// Gives the calling thread, and threads and programs that it starts later, the lowest priority.
 void giveWay();
 
 /// Returns the number of cores, which may be a fraction, to which control groups (versions 1 and 2)

@@ -73,8 +73,7 @@ void refuseFewDescriptors() {
 ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
   try {
     refuseFewDescriptors();
-    // Let a write beyond the file size limit fail with an error; by default SIGXFSZ kills the
-    // process.
+    // Let writes beyond the file size limit fail. By default SIGXFSZ kills the process.
     std::signal(SIGXFSZ, SIG_IGN);
     const ExitCode code = run();
     // Flush now, because only this shows whether all output was written.
@@ -142,8 +141,7 @@ void catchInterrupts() {
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
-    // nohup starts a program with SIGHUP ignored. Keep it ignored, so that the program outlives the
-    // terminal.
+    // Keep SIGHUP ignored if nohup ignored it, so that the program outlives the terminal.
     if (sigaction(signal, nullptr, &before) == 0 && signal == SIGHUP &&
         before.sa_handler == SIG_IGN)
       continue;

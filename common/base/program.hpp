@@ -16,8 +16,7 @@ class App;
 namespace palpate {
 
 /// A verb of a program, such as `check`. `prepare` declares the verb's options on `app`. It returns
-/// the function that runs the verb after the command line is parsed; this function also owns the
-/// options.
+/// the function that owns the options and runs the verb after the command line is parsed.
 struct Verb {
   const char* name;
   const char* summary;  ///< one line, for --help

@@ -11,8 +11,7 @@
 
 namespace palpate {
 
-/// Reads text line by line and each line word by word. Skips blank lines. Errors carry file and
-/// line.
+/// Reads text line by line and word by word. Skips blank lines. Errors carry file and line.
 class TextLines {
  public:
   /// `source` names the file in errors. Skips a UTF-8 byte order mark, which some Windows programs

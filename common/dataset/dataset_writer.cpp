@@ -80,8 +80,7 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial) {
-  // Check this first. Otherwise the rename at the end would fail, perhaps after hours, with a worse
-  // message.
+  // Check this first. Otherwise the rename at the end would fail, perhaps after hours.
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());

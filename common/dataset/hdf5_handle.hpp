@@ -127,8 +127,7 @@ struct ArrayInfo {
   std::uint64_t stored = 0;  ///< bytes in the file, compressed; only Reader sets it
 };
 
-/// Base of Reader and Writer: a file name, and checks of HDF5 results with errors that give this
-/// name.
+/// Base of Reader and Writer: checks the results of HDF5 calls and names the file in errors.
 class NamedFile {
  public:
   explicit NamedFile(std::string name) : name_(std::move(name)) { silenceErrorStack(); }

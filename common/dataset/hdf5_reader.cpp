@@ -85,8 +85,7 @@ Reader::Reader(const std::filesystem::path& file, const FileKind& kind)
     check(H5Pset_file_locking(access.get(), locks, without_where_impossible), "file locking");
     return H5Fopen(name().c_str(), H5F_ACC_RDONLY, access.get());
   };
-  // Open without locks first: a sealed file never changes, and locks fail on read-only network file
-  // systems.
+  // First open without locks: sealed files never change, and read-only network disks refuse locks.
   hid_t opened = openedWith(false, true);
   // If other code in this process already has the file open (h5py), HDF5 requires the same lock
   // settings, so try the others too.

@@ -143,8 +143,7 @@ std::string programFor(const std::vector<std::string>& arguments) {
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   // OpenBLAS reads this variable while it is loaded. palpate-worker also sets it, but only in
-  // main(), which is never reached if a limit on address space keeps OpenBLAS's many threads from
-  // starting.
+  // main(), which is never reached if a limit on address space stops OpenBLAS's many threads.
   setenv("OPENBLAS_NUM_THREADS", "1", 1);
   execv(program.c_str(), argv.data());
   const bool is_missing = errno == ENOENT;

@@ -76,8 +76,7 @@ class CellTree {
   /// Copies the data it needs. Error if no point of the space is solved.
   explicit CellTree(const SpaceTable& space);
 
-  /// All leaves, ordered by their root cell; the children of a split cell are together. Never
-  /// empty.
+  /// All leaves (at least one), by root cell; the children of a split cell are together.
   const std::vector<LatticeCell>& leaves() const { return leaves_; }
   /// Returns the corners of a leaf by its index in leaves().
   const LeafCorners& corners(std::int32_t leaf) const { return corners_[at(leaf)]; }

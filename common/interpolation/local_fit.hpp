@@ -52,8 +52,7 @@ struct FitSource {
 class LocalFits {
  public:
   /// Configures the data that a fit uses and the degrees of its polynomials, 2 to 5. With `known`
-  /// below KnownOrders::curvature, stiffnesses are ignored, and below KnownOrders::slope forces
-  /// too.
+  /// below `curvature`, stiffnesses are ignored, and below `slope` also forces.
   struct Kind {
     KnownOrders known = KnownOrders::curvature;
     int highest_extrapolated = LocalPolynomial::degree;

@@ -5,8 +5,7 @@
 namespace palpate {
 namespace {
 
-/// Returns the bump and its derivatives, times `area`, at a point with the offset `away` from the
-/// centre.
+/// Returns the bump and its derivatives, times `area`, at the offset `away` from the centre.
 BumpIntegral bumpTimes(double area, const Eigen::Vector3d& away, double radius) {
   const double relative = away.squaredNorm() / (radius * radius);
   if (relative >= 1) return {};

@@ -24,8 +24,7 @@ class FreeShare {
   struct Part {
     Eigen::AlignedBox3d box;
     Eigen::Matrix3d corners;  ///< one per column, m
-    /// 1 for a free node, 0 for a fixed one: the corners, then the mid-edge nodes of edges 01, 12
-    /// and 20.
+    /// 1 for a free node, 0 for a fixed one: corners, then mid-edge nodes of edges 01, 12, 20.
     std::array<double, 6> free{};
     bool is_quadratic = false;
   };

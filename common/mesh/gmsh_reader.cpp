@@ -106,8 +106,7 @@ class GmshText {
       have_elements_ = true;
     } else if (section_ == "$ElementData") {
       if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
-      // Check this only if there are data. Without data, repeated elements of version 2.2 may share
-      // a number.
+      // Check this only now: without data, repeated elements of version 2.2 may share a number.
       if (tetrahedron_tag_twice_)
         throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}",
                            *tetrahedron_tag_twice_);
@@ -286,9 +285,8 @@ class GmshText {
     if (element_types[type].dimension == 3) addTetrahedron(tag, type, first_ten, group);
   }
 
-  /// Adds a tetrahedron by its corners. Mid-edge nodes of the file are dropped, because
-  /// addMidEdgeNodes() makes new ones in the middle of each edge. Error if a dropped node lies
-  /// elsewhere.
+  /// Adds a tetrahedron by its corners. Mid-edge nodes are dropped, because addMidEdgeNodes() makes
+  /// new ones in the middle of each edge. Error if a dropped one lies elsewhere.
   void addTetrahedron(std::int64_t tag, int type, const std::array<std::int32_t, 10>& nodes,
                       const Key& group) {
     if (type == tetrahedron_10) {

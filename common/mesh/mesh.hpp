@@ -34,8 +34,7 @@ struct Mesh {
   std::map<std::string, std::vector<std::int32_t>> element_groups;
   /// One vector per tetrahedron, for each name of $ElementData with three components.
   std::map<std::string, std::vector<Eigen::Vector3d>> element_vectors;
-  /// The edges of a quadratic mesh (addMidEdgeNodes). The mid-edge node of edge e is vertices() +
-  /// e.
+  /// The edges of a quadratic mesh (addMidEdgeNodes). Edge e has the mid-edge node vertices() + e.
   std::vector<Edge> edges;  ///< (lower, higher) vertex, ascending
   /// Mid-edge nodes per tetrahedron, in the order of tetrahedron_edges.
   std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;

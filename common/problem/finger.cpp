@@ -11,8 +11,7 @@ namespace palpate {
 namespace {
 
 /// If the mean of the unit normals under a finger is shorter than this, the finger covers both
-/// sides of a lobe. For comparison, the length is 0.5 if the surface turns by a right angle under
-/// the finger.
+/// sides of a lobe. A surface that turns by a right angle gives a length of 0.5.
 constexpr double both_sides = 0.35;
 
 /// Cosine and sine of 75 degrees, the largest angle between the displacement of a pushing finger

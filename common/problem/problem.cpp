@@ -223,8 +223,7 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
   refuseSqueezed(problem, patch);
 }
 
-/// Error unless problem and scene agree on the probe, and its displacement can be a position of the
-/// lattice.
+/// Error unless problem and scene agree on the probe, and the lattice can hold its displacement.
 void checkProbe(const Problem& problem, std::size_t number) {
   const auto& probe = problem.active[number].probe;
   if (probe != problem.scene.active[number].probe)

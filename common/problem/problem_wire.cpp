@@ -160,8 +160,7 @@ ContentId problemId(const Problem& problem) {
   bare.scene.storage = {};
   bare.scene.contact = {};
   bare.mesh.node_groups.clear();
-  // Keep only the number of probes if there is no refinement: the rest of [accuracy] has no effect
-  // then.
+  // Without refinement, only the number of probes in [accuracy] has an effect.
   if (!bare.scene.accuracy.adaptive()) bare.scene.accuracy = {.probes = bare.scene.accuracy.probes};
   for (std::size_t r = 0; r < bare.scene.regions.size(); ++r) {
     Region& region = bare.scene.regions[r];

@@ -235,8 +235,7 @@ ActiveSelection readActive(const TomlSection& section) {
   return active;
 }
 
-/// Checks that all fingers of an area have the same radius and that no active node has the name of
-/// an area.
+/// Error unless all fingers of an area have one radius and no active node has an area's name.
 void checkAreas(const TomlSection& root, const std::vector<ActiveSelection>& actives) {
   std::map<std::string, double> radius_of;
   for (const ActiveSelection& active : actives)

@@ -185,8 +185,7 @@ Neighbours Lattice::neighbours(std::int32_t index) const {
     // Skip added points. The plan chooses the parents of those points in another way.
     if (number < 0 || number >= uniform_size_) continue;
     const std::int64_t squared_length = i * i + j * j + k * k;
-    // For steps of equal length, the norm of the neighbour grows with the dot product of point and
-    // step.
+    // For steps of equal length, the neighbour's norm grows with the dot product of point and step.
     const std::int64_t along =
         std::int64_t{center[0]} * i + std::int64_t{center[1]} * j + std::int64_t{center[2]} * k;
     found[count++] = {(squared_length << 40) + along * 32 + static_cast<std::int64_t>(s), number};

@@ -11,8 +11,7 @@
 
 namespace palpate {
 
-/// Integer coordinates (i, j, k) of a lattice point. Its displacement is spacing / divisions * (i,
-/// j, k).
+/// Integer coordinates of a lattice point. Its displacement is spacing / divisions * (i, j, k).
 using LatticePoint = std::array<std::int32_t, 3>;
 
 /// Returns i^2 + j^2 + k^2.
@@ -27,8 +26,7 @@ struct LatticeEdge {
   auto operator<=>(const LatticeEdge&) const = default;
 };
 
-/// Returns whether one of the sorted `edges` joins the points with the numbers a and b, in either
-/// order.
+/// Returns whether one of the sorted `edges` joins the points with the numbers a and b.
 inline bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_t b) {
   return std::ranges::binary_search(edges, LatticeEdge{std::min(a, b), std::max(a, b)});
 }
@@ -139,8 +137,7 @@ class Lattice {
   std::int32_t extent_ = -1;  ///< largest coordinate of a uniform point, in spacings
   std::int32_t uniform_size_ = 0;
   std::vector<LatticePoint> points_;
-  /// Lattice number at each of the (2 extent_ + 1)^3 positions of a cube; -1 where there is no
-  /// point.
+  /// Lattice numbers in a cube of (2 extent_ + 1)^3 positions; -1 where there is no point.
   std::vector<std::int32_t> index_of_;
   std::map<LatticePoint, std::int32_t> added_;  ///< lattice numbers of the other points
 };

@@ -100,8 +100,7 @@ void Connections::keepDescriptors() {
     ++open;
     if (!connection.spoke) silent.emplace_back(connection.since, descriptor);
   }
-  // Close a few more than necessary, so that not every further connection causes another full
-  // check.
+  // Close a few more than necessary, so that not every new connection causes a full check.
   const auto beyond = [](std::size_t count, std::size_t most) {
     return count > most ? count - most + most / 64 : 0;
   };

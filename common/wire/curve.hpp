@@ -12,8 +12,7 @@
 
 namespace palpate {
 
-/// Sets the keys of a client's socket: its own key pair and the key of the server to which it will
-/// connect.
+/// Sets the keys of a client's socket: its own key pair and the key of its server.
 void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server);
 /// Sets the keys of a client's socket for a server at `endpoint`, from `keys`. If this user has no
 /// key and the endpoint is on this machine, makes one, as a server does. If the endpoint is on

@@ -344,8 +344,7 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
   }
-  // The frames of a bad message were read as well, so that the next call begins with the next
-  // message.
+  // All frames of a bad message were read, so the next call begins with the next message.
   if (!intact) incoming.message.Clear();
   return incoming;
 }
@@ -355,8 +354,7 @@ zmq::socket_t makeRouter(zmq::context_t& context) {
   socket.set(zmq::sockopt::router_mandatory, true);
   // If a worker reconnects under the same name, its new connection replaces the old one.
   socket.set(zmq::sockopt::router_handover, true);
-  // Frames from workers are small: a frame contains a result without its fields, or a part of the
-  // fields.
+  // Frames from workers are small: a result without its fields, or a part of the fields.
   socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(2 * payload_frame_bytes));
   socket.set(zmq::sockopt::backlog, 4096);
   socket.set(zmq::sockopt::sndhwm, 4096);
