@@ -435,7 +435,7 @@ class GmshText {
     sortUnique(mesh_.unused_names);
   }
 
-  /// Adds the nodes and tetrahedra that were read for `from`, an entity or a group, to `group`.
+  /// Adds to `group` the nodes and tetrahedra that were read for `from`, an entity or a group.
   void addToGroup(const Key& group, const Key& from) {
     const auto named = physical_names_.find(group);
     const std::string name = named != physical_names_.end()

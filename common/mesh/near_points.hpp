@@ -37,11 +37,11 @@ class NearPoints {
 };
 
 /// Chooses some of `places` by farthest-point sampling, so that every place has a chosen one near
-/// it. `distances` holds for each place the wanted distance to the nearest chosen place, which must
-/// be positive. The first place is chosen first. Then, each time, the place is chosen whose
-/// distance to the nearest chosen place, divided by its wanted distance, is largest, until all
-/// these quotients are at most 1. Distances are along straight lines, metres. Returns the places in
-/// order of choice, the same on all machines.
+/// it. `distances` (positive) holds for each place the wanted distance to the nearest chosen place.
+/// The first place is chosen first. Each next choice is the place whose distance to the nearest
+/// chosen place, divided by its wanted distance, is largest. The choice ends when all these
+/// quotients are at most 1. Distances are along straight lines, metres. Returns the places in order
+/// of choice, the same on all machines.
 ///
 /// `accepts` is called before a place is chosen, with the number of places `taken` so far. Places
 /// that it refuses are never chosen and need no chosen place near them. `accepts` may throw, for

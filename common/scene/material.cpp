@@ -67,8 +67,8 @@ std::optional<Softening> softeningOf(const Material& m) {
   if (m.law == LawName::st_venant_kirchhoff)
     return Softening{1 - 1 / std::sqrt(3.0), "compression"};
   if (m.law != LawName::yeoh || m.c20 >= 0) return std::nullopt;
-  // The stress in simple shear g is 2 g (c10 + 2 c20 g^2 + 3 c30 g^4). It is largest at the root of
-  // 15 c30 x^2 + 6 c20 x + c10 = 0 with x = g^2.
+  // The stress at a simple shear of g is 2 g (c10 + 2 c20 g^2 + 3 c30 g^4). It is largest at the
+  // root of 15 c30 x^2 + 6 c20 x + c10 = 0 with x = g^2.
   const double discriminant = 36 * m.c20 * m.c20 - 60 * m.c30 * m.c10;
   if (discriminant < 0) return std::nullopt;
   return Softening{std::sqrt(2 * m.c10 / (-6 * m.c20 + std::sqrt(discriminant))), "shear"};

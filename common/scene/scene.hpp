@@ -100,7 +100,7 @@ struct ActiveSelection {
   /// Metres. The patch holds all nodes that are at most this far away, except fixed ones.
   double radius = 0;
   ToolKind tool = ToolKind::rigid;  ///< all kinds but rigid require a radius > 0
-  /// Selects every vertex of this part of the surface that is not fixed, or for a finger the whole
+  /// Selects the vertices in this part of the surface that are not fixed, or for a finger the whole
   /// part.
   std::optional<SurfaceSelection> surface = {};
   /// Name of the area to which a finger belongs. All fingers of an area have the same radius. They
