@@ -10,8 +10,8 @@ namespace {
 // rows_ and entries_ end with the sums of the tool, and then one number, the sink, to which all
 // dropped rows or entries are added.
 constexpr std::int32_t tool_rows = 3;
-/// Number of sums for the diagonal of K_aa, the tangent of the tool: diagonal entries of elements,
-/// one sum per direction.
+/// Number of sums for the diagonal entries of elements in K_aa, the tangent of the tool: one sum
+/// per direction.
 constexpr std::int32_t tool_diagonal = 3;
 /// Number of sums for the rest of K_aa: entries of elements above the diagonal, to be added
 /// together with their transpose.

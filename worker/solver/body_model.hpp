@@ -30,7 +30,7 @@ struct BodyModel {
   std::vector<std::uint16_t> region_of;                ///< per tetrahedron, index into `materials`
   std::vector<std::array<Eigen::Vector3d, 2>> fibers;  ///< as Problem::fibers
   std::vector<std::uint8_t> fixed;  ///< nNodes x 3, 1 where the displacement is prescribed
-  std::vector<double> load;         ///< nNodes x 3, dead nodal forces with gravity, N; may be empty
+  std::vector<double> load;         ///< nNodes x 3, dead nodal forces, N; may be empty
   std::vector<Tool> tools;          ///< may be empty
 };
 
@@ -49,10 +49,9 @@ bool hasNearlyRigidPart(const BodyModel& model);
 /// per active patch.
 BodyModel bodyModel(const Problem& problem);
 
-/// Add dead nodal loads to `model`: addTraction applies `traction` (Pa, per rest area) to surface
-/// triangles, whose corners are the vertices of a face of the mesh. addGravity applies
-/// `acceleration` (m/s^2) times the density to the whole body; Error (bad input) if a material has
-/// no density.
+/// Add dead nodal loads to `model`: addTraction applies `traction` (Pa, per rest area) to faces of
+/// the surface, each given by its three vertices. addGravity applies `acceleration` (m/s^2) times
+/// the density to the whole body; Error (bad input) if a material has no density.
 void addTraction(BodyModel& model, const std::vector<Triangle>& faces,
                  const Eigen::Vector3d& traction);
 void addGravity(BodyModel& model, const Eigen::Vector3d& acceleration);

@@ -16,7 +16,7 @@ namespace palpate {
 /// no eigenvalue near zero is negative, or if MUMPS reports an error.
 ///
 /// Inverse subspace iteration (Bathe, Finite Element Procedures, 1996, Sec. 11.6). Costs one
-/// factorisation, of the tangent at `state`. Its factors stay in `solver`.
+/// factorisation of the tangent at `state`, whose factors stay in `solver`.
 std::optional<Eigen::VectorXd> criticalMode(const System& system, TangentSolver& solver,
                                             const State& state);
 

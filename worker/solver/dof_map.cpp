@@ -58,8 +58,8 @@ class DeterminedPressures {
 
  private:
   /// Returns whether the free nodes of an element can change its volume, weighted by the pressure's
-  /// shape function b. In Taylor-Hood elements a vertex can do so for every b, a mid-edge node only
-  /// if b is an end of its edge.
+  /// shape function b. In Taylor-Hood elements a free vertex suffices for every b. A free mid-edge
+  /// node suffices only if b is an end of its edge.
   bool changesVolume(const std::vector<std::int32_t>& nodes, PressureSpace space, int b) const {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       if (held_[at(nodes[n])]) continue;

@@ -39,10 +39,10 @@ class DofMap {
   std::vector<std::int32_t> pressure_;      ///< per slot
 };
 
-/// Returns the pressure slots at `tool_nodes` (sorted) that no equation determines while a rigid
-/// tool holds these nodes, ascending. All elements that share such a slot move with the tool as a
-/// rigid body, so their volume cannot change, and neither a stabilisation nor a bulk modulus adds
-/// an equation for the pressure.
+/// Returns, in ascending order, those pressure slots of `tool_nodes` (sorted) whose pressure no
+/// equation determines while a rigid tool holds these nodes. All elements that share such a slot
+/// move with the tool as a rigid body. So their volume cannot change, and neither a stabilisation
+/// nor a bulk modulus adds an equation for the pressure.
 std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSlots& slots,
                                         const std::vector<std::int32_t>& tool_nodes);
 

@@ -35,8 +35,8 @@ struct ElementBatches {
            const std::vector<std::int32_t>& elements, std::size_t first);
 };
 
-/// Returns the kernel parameters of each region: its material, and the spaces of its elements.
-/// `pressure_scale` in Pa per unit of q.
+/// Returns the kernel parameters of each region, from its material and the function spaces of its
+/// elements. `pressure_scale`: Pa per unit of q.
 std::vector<ElementParameters> elementParameters(const BodyModel& model, double pressure_scale);
 
 }  // namespace palpate

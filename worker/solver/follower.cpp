@@ -8,11 +8,11 @@
 namespace palpate {
 namespace {
 
-/// Time over which the hand is predicted, in durations of a solve. An answer is used from the end
-/// of its solve to the end of the next one. The prediction is for the middle of this time.
+/// Time from a position of the hand to its predicted position, in durations of a solve. An answer
+/// is used from the end of its solve to the end of the next one. The prediction is for the middle
+/// of this time.
 constexpr double ahead = 1.5;
-/// Longest time over which the hand is predicted, s. Hands change their motion within a tenth of a
-/// second.
+/// Upper limit of this time, s. Hands change their motion within a tenth of a second.
 constexpr double longest_ahead = 0.15;
 /// Weight of the last solve in the expected duration of a solve.
 constexpr double newest_share = 0.3;

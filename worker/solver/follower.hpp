@@ -15,10 +15,10 @@ class Follower {
   /// pattern cannot be analysed.
   Follower(const Problem& problem, const ElementKernels& kernels, double radius);
 
-  /// Solves for the equilibrium at the predicted position of the hand, 1.5 times the expected
-  /// duration of the solve ahead. Starts from rest if there is no equilibrium yet, if the hand is
-  /// far from the last equilibrium, or if the transition from it fails. Error (bad input) if no
-  /// finger can be at the hand's place, for instance beside fixed nodes.
+  /// Predicts the position of the hand after 1.5 times the expected duration of a solve, and solves
+  /// for the equilibrium there. Starts from rest if there is no equilibrium yet, if the hand is far
+  /// from the last equilibrium, or if the transition from it fails. Error (bad input) if no finger
+  /// can be at the hand's place, for instance beside fixed nodes.
   Followed follow(const HandMotion& hand);
 
   /// Forgets the last equilibrium. Call it when the hand has left the body.

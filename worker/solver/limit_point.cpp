@@ -101,7 +101,7 @@ class Curve {
   std::int32_t negative_pivots_ = 0;
 };
 
-/// The point where the equilibrium path of a tool that moves along a line turns back.
+/// A point at which the path of equilibria turns back.
 struct LimitPoint {
   double at = 0;                     ///< largest s of the path
   std::int32_t negative_pivots = 0;  ///< of the tangent beyond the turn

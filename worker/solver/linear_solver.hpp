@@ -10,7 +10,7 @@ namespace palpate {
 /// The entries of the upper triangle of a symmetric matrix, sorted by row and then by column.
 /// 1-based for MUMPS. Contains every diagonal entry.
 struct SparsityPattern {
-  std::int32_t n = 0;                     ///< rows
+  std::int32_t n = 0;                     ///< number of rows
   std::vector<std::int32_t> row, column;  ///< of every entry, 1 to n, row <= column
   /// n + 1 offsets, 0-based. Row k has the entries row_begin[k] to row_begin[k + 1] - 1. The first
   /// of them is the diagonal entry.

@@ -16,8 +16,8 @@ constexpr double sufficient_decrease = 1e-4;
 /// Limits of the relaxation near the tool: iterations, and halvings of a step.
 constexpr int most_relaxations = 12, most_halvings = 6;
 
-/// Corrects `step`, which was solved with the factorised tangent, by Broyden's updates. `taken`
-/// holds the steps since that factorisation.
+/// Applies Broyden's updates to `step`, which was solved with the factorised tangent. `taken` holds
+/// the steps since that factorisation.
 void updateByBroyden(const std::vector<Eigen::VectorXd>& taken, Eigen::VectorXd& step) {
   if (taken.empty()) return;
   for (std::size_t n = 0; n + 1 < taken.size(); ++n)
@@ -110,7 +110,7 @@ class Newton {
   bool advance(const Eigen::VectorXd& step, double factor) {
     State next = system_.moved(now_.state, step, factor, displacement_);
     system_.assemble(next, trial_);
-    // The comparison with a NaN is false, so an inadmissible trial counts as an increase.
+    // The comparison with a NaN is false, so an inadmissible trial is rejected like an increase.
     if (!(trial_.norm <= (1 - sufficient_decrease * factor) * now_.residual.norm) &&
         !(options_.affine_descent && isNearer(step, factor)))
       return false;

@@ -17,8 +17,8 @@ struct NewtonOptions {
   /// the border of the current tool (TangentSolver::useFactorsWith).
   bool begin_with_old_factors = false;
   /// Also accepts a step if the next correction with the same tangent is smaller (natural
-  /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). For bodies with a
-  /// nearly rigid part, where a rotation increases the residual.
+  /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). Needed for bodies
+  /// with a nearly rigid part, whose rotation increases the residual.
   bool affine_descent = false;
   /// After a full step (unless renew_always), the same tangent is used again if the step multiplied
   /// the residual norm by at most this factor ...
@@ -43,7 +43,7 @@ struct NewtonResult {
   State state;
   Residual residual;            ///< at `state`
   int iterations = 0;           ///< number of corrections of the state
-  int factorizations = 0;       ///< tangents factorised; `solver` holds the last factors
+  int factorizations = 0;       ///< number of tangents; `solver` holds the last factors
   Factorization factorization;  ///< report on the factors that were used last
 };
 

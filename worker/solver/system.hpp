@@ -54,11 +54,11 @@ struct Tangent {
 
 /// The unknowns of some nodes around a rigid tool, with the batches of elements that contain these
 /// nodes. System can assemble the equations of these unknowns alone, with all other unknowns held.
-/// Valid for one tool of one System.
+/// Valid only for the System that made it, and only while the same tool is chosen.
 struct Neighborhood {
   struct Entry {
     std::int32_t number;       ///< index in SparsityPattern
-    std::int32_t row, column;  ///< in the small matrix, row <= column
+    std::int32_t row, column;  ///< in the matrix of `unknowns`, row <= column
   };
   std::vector<std::int32_t> unknowns;  ///< ascending
   std::vector<std::int32_t> batches;   ///< ascending, indices into ElementBatches::all
@@ -160,7 +160,7 @@ class System {
   const Tool* rigidTool() const;
   const Tool* weightedTool() const;
 
-  // The order matters: each member is made from earlier ones, and the last one keeps references.
+  // Each member is made from earlier ones, and sums_ keeps references, so the order matters.
   const BodyModel model_;
   const ElementKernels& kernels_;
   const double mean_edge_;                           ///< metres

@@ -47,8 +47,8 @@ bool TangentSolver::useFactorsWith(const Eigen::MatrixXd& border) {
   return factorization_.ok = eliminateBorder();
 }
 
-/// Prepares the border for solve() and counts its pivots. Returns false if MUMPS reports an error
-/// or a number is not finite.
+/// Prepares the border for solve() and counts its negative pivots. Returns false if MUMPS reports
+/// an error or a number is not finite.
 bool TangentSolver::eliminateBorder() {
   factorization_.negative_pivots = pivots_of_K_;
   if (border_.cols() == 0) return true;

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Factorises tangents with their border (Tangent). Solves for the last factorised tangent and for
-/// tangents near it.
+/// Factorises tangents with their border (Tangent). Solves linear systems with the last factorised
+/// tangent, or with a tangent near it.
 ///
 /// The border of a weighted tool is eliminated: K is factorised alone, and the 3 x 3 complement
 /// border^T K^-1 border closes the system. Vectors have System::unknowns() + multipliers() rows.
@@ -22,14 +22,14 @@ class TangentSolver {
   /// Analyses the pattern of `system`, which must outlive this object. Error if the analysis fails.
   explicit TangentSolver(const System& system);
 
-  /// Factorises `tangent`. Factorization::negative_pivots counts pivots of the bordered matrix.
+  /// Factorises `tangent`. Factorization::negative_pivots is the count for the bordered matrix.
   [[nodiscard]] Factorization factorize(const Tangent& tangent);
 
   /// Replaces the border and keeps the factors of K. A sliding finger changes mainly the border, so
   /// the old factors of K remain good enough. Returns false if there are no factors, or if MUMPS
   /// reports an error.
   [[nodiscard]] bool useFactorsWith(const Eigen::MatrixXd& border);
-  /// The report on the factors, with negative_pivots for their present border.
+  /// The report on the factors, with negative_pivots for the present border.
   const Factorization& factorization() const { return factorization_; }
 
   /// Overwrites `columns` with the solutions for the last factorised tangent, right to about five
@@ -40,11 +40,11 @@ class TangentSolver {
     Eigen::MatrixXd solution;
     Eigen::MatrixXd residual;  ///< tangent * solution - right-hand sides
   };
-  /// Solves for `tangent` with the factors of the last factorised tangent, which is near it, by
-  /// iterative refinement. Stops when the residual norm of each column is at most `tolerance` times
-  /// the norm of its right-hand side, or times mu h (N/m) if that is more. Returns nullopt if a
-  /// refinement does not halve the residual (the factors are too far away), or if MUMPS reports an
-  /// error.
+  /// Solves linear systems with `tangent` by iterative refinement. Uses the factors of the last
+  /// factorised tangent, which must be near `tangent`. Stops when the residual norm of each column
+  /// is at most `tolerance` times the norm of its right-hand side, or times mu h (N/m) if that is
+  /// more. Returns nullopt if a refinement does not halve the residual (the factors are too far
+  /// away), or if MUMPS reports an error.
   [[nodiscard]] std::optional<Refined> solveWith(const Tangent& tangent,
                                                  const Eigen::MatrixXd& right_hand_sides,
                                                  double tolerance);

@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Step of the central differences, in mean edges of the mesh; this is about the strain that the
-/// step causes. The truncation error grows with the square of the step, round-off with its inverse.
+/// Step of the central differences, in mean edge lengths, which is about the strain that it causes.
+/// The truncation error grows with the square of the step, round-off with its inverse.
 constexpr double difference = 1e-4;
 
 /// The numbers x_a^T A x_b for all pairs of six columns.

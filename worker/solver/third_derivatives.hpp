@@ -10,7 +10,7 @@ namespace palpate {
 /// `equilibrium`.
 ///
 /// First-order sensitivities suffice for third derivatives of a minimum (the 2n + 1 theorem,
-/// Wigner). With x_a the change of the state when p or s moves along a,
+/// Wigner). Let x_a be the change of the state when p or s moves in the direction a. Then
 ///
 ///   d3E/da db dc = d3 Pi [x_a, x_b, x_c] - the third derivative of multiplier . B(s) (u - u_rest)
 ///

@@ -25,12 +25,11 @@ constexpr double loose_sensitivity_tolerance = 1e-2, felt_sensitivity_tolerance 
 /// Tolerance of the relaxation near the tool, times System::forceScale(). The relaxation need not
 /// be accurate, because Newton follows it.
 constexpr double relaxation_tolerance = 1e-3;
-/// Smallest fraction of a movement that approach() tries to relax, and smallest load step, a
-/// fraction of gravity, that solveRest() tries.
+/// Smallest fraction of a movement that approach() tries to relax. Smallest load step of
+/// solveRest(), as a fraction of gravity.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
-/// Limit of the displacements along a critical mode, relative to the first displacement that is
-/// tried.
+/// Largest displacement along a critical mode, relative to the first one that is tried.
 constexpr double widest_step_aside = 4;
 constexpr int aside_factorizations = 12;
 /// Relative difference of energies below which two equilibria are taken for symmetric twins.
@@ -309,8 +308,8 @@ void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
   equilibrium.drive_slope = Eigen::Matrix3d::Zero() + 0.5 * (slope + slope.transpose());
 }
 
-/// Returns why the state to which Newton converged may not be stored (Cause::none if it may).
-/// Stores the equations around this state in `here`.
+/// Returns why the state to which Newton converged is rejected, or Cause::none if it is accepted.
+/// Stores the linearised equations at this state in `here`.
 Cause TransitionSolver::judge(NewtonResult& newton, Use use, Linearization& here) {
   system_.assemble(newton.state, newton.residual, here.tangent);
   if (const SmallestDetF at_nodes = smallestDetFAtNodes(system_.model().mesh, newton.state.u);
@@ -336,7 +335,7 @@ Cause TransitionSolver::judge(NewtonResult& newton, Use use, Linearization& here
                                                                        : Cause::none;
 }
 
-/// Returns the energy and its derivatives at a state that may be stored.
+/// Returns the energy and its derivatives at a state that judge() accepted.
 Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
                                             const Linearization& here) const {
   const Tangent& tangent = here.tangent;
@@ -361,7 +360,7 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
 }
 
 /// Makes the state to which Newton converged the end of `step`. Returns Cause::none, or why the
-/// state may not be stored.
+/// state is rejected.
 Cause TransitionSolver::accept(NewtonResult& newton, Use use, Step& step) {
   Linearization here;
   if (const Cause cause = judge(newton, use, here); cause != Cause::none) return cause;
@@ -423,7 +422,7 @@ TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double wa
   const auto mode = criticalMode(system_, solver_, unstable);
   NewtonOptions options = options_.newton;
   options.max_factorizations = std::max(options.max_factorizations, aside_factorizations);
-  // Beyond a bifurcation, the amplitude of the mode grows with the square root of the distance.
+  // The amplitude of the mode grows with the square root of the distance beyond a bifurcation.
   const double unit = std::sqrt(system_.meanEdge() * way);
   for (double size = 1; mode && !found && size <= widest_step_aside; size *= 2)
     for (const double side : {1.0, -1.0}) {

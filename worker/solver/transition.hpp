@@ -56,7 +56,7 @@ struct Reached {
   /// reached.
   std::optional<Start> end = {};
   // Only for a path:
-  int detours = 0;       ///< transitions that went through a point beside the path
+  int detours = 0;       ///< number of transitions via a point beside the path
   double min_det_F = 1;  ///< smallest det F at the ends of the transitions
 };
 
@@ -102,7 +102,7 @@ class TransitionSolver {
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
   /// Moves a finger from `start` to a nearby place of the surface and to a nearby displacement
-  /// `target`, metres. For the live solver. Chooses the finger as the tool; errors as from
+  /// `target`, metres. Used by the live solver. Chooses the finger as the tool; errors as from
   /// placeFinger(). `start`: the end of a follow() or of a finger's reach(). Uses the factors that
   /// the solver holds as long as they are good enough.
   ///
@@ -112,8 +112,8 @@ class TransitionSolver {
 
   /// Checks whether a limit point is the reason for a failed transition. The search starts from the
   /// last state that `failed` reached. If there is a limit point, sets the cause in `failed` to
-  /// Cause::limit_point, and step_reached to the position of that point. Costs many times a
-  /// transition. Does nothing if the inertia is meaningless (System::expectedNegativePivots).
+  /// Cause::limit_point, and step_reached to the position of that point. Costs as much as many
+  /// transitions. Does nothing if the inertia is meaningless (System::expectedNegativePivots).
   void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
 
  private:
