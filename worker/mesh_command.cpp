@@ -98,7 +98,7 @@ Tetrahedra madeOfSurface(const MeshOptions& options, const ConvertedMesh& conver
   return made;
 }
 
-/// Checks the output before anything is computed.
+/// Refuses an unsuitable output file before anything is computed.
 void refuseOutput(const MeshOptions& options) {
   const std::filesystem::path output = options.output;
   if (output.extension() != ".msh")

@@ -29,7 +29,7 @@ struct NewOptions {
 
 bool namesScene(const std::filesystem::path& place) { return place.extension() == ".toml"; }
 
-/// Returns a valid scene name, made from the name of the scene's folder or of its file.
+/// Returns a valid scene name, made from the name of the scene's folder or file.
 std::string sceneNameOf(const std::filesystem::path& place) {
   const std::filesystem::path plain = namesScene(place) ? place.stem() : (place / "").parent_path();
   std::string name;

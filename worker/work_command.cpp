@@ -108,7 +108,7 @@ struct Child {
   Clock::time_point started;
 };
 
-/// Starts `palpate-worker work ... --alone`, which ends with this process.
+/// Starts `palpate-worker work ... --alone`, which ends when this process ends.
 pid_t startChild(const WorkOptions& options, const std::string& id,
                  const std::vector<std::string>& ended) {
   // The arguments are made before fork(), because the child must not allocate memory.

@@ -14,8 +14,8 @@ namespace {
 /// If a point cannot be reached from one neighbour, a build tries it from others. The estimate
 /// assumes two tries in total for each of these points, and that half of the points are reached.
 constexpr double tries_after_failure = 2, reached_after_failure = 0.5;
-/// Factor on the time of a build for waiting: for ready transitions, for messages, and for the
-/// disk.
+/// Factor by which waiting lengthens a build: waiting for ready transitions, for messages, and for
+/// the disk.
 constexpr double waiting = 1.2;
 
 /// Ratio of two errors. The first is the likely error at the worst place of a cell, which decides
@@ -56,10 +56,10 @@ void add(const Lattice& lattice, std::vector<Shell>& shells) {
   }
 }
 
-/// Estimates time and reach of each shell with the Kaplan-Meier estimator. It was made for studies
-/// that some patients leave early; here the paths that were cut play this role. The share of paths
-/// that end in a shell is taken among the paths that reached it, so paths that were cut earlier do
-/// not matter. A shell that no path reached costs as much per point as the shell before it.
+/// Estimates time and reach of each shell with the Kaplan-Meier estimator. The paths that were cut
+/// correspond to patients who leave a study early. The share of paths that end in a shell is taken
+/// among the paths that reached it, so paths that were cut earlier do not matter. A shell that no
+/// path reached costs as much per point as the shell before it.
 void fill(std::vector<Shell>& shells, const std::vector<Path>& paths, bool finger,
           std::int32_t levels) {
   double going_on = paths.empty() ? 0 : 1;  // share of the paths that have not ended

@@ -7,7 +7,7 @@ namespace palpate {
 /// How a Path ended.
 enum class PathEnd : std::uint8_t {
   rim,        ///< reached the end of the workspace
-  max_force,  ///< the force exceeded workspace.max_force, where solving ends
+  max_force,  ///< the force exceeded workspace.max_force
   failed,     ///< a transition could not be solved
   cut,        ///< a limit of the measurement was reached, or the path left the pushed part
 };

@@ -64,8 +64,8 @@ void chooseBlasKernelsOfNext(const std::string& kernels) {
 
 void chooseBlasKernels(char** argv) {
   const std::string wanted = kernelsOfThisCpu();
-  // Also replaces a core type that this function set on another CPU and that was left in the
-  // environment.
+  // A core type that this function set on another CPU may still be in the environment. It is
+  // replaced too.
   const bool pins = choosesWhenLoaded() && !userChose() && environmentValue(core_type) != wanted;
   if (!pins && environmentValue(threads_variable) == "1") return;
   const bool set = setenv(threads_variable, "1", 1) == 0 &&
@@ -75,7 +75,7 @@ void chooseBlasKernels(char** argv) {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (set && !error) execv(program.c_str(), argv);
   // The restart failed. This process continues with the kernels that OpenBLAS chose, so core_type
-  // must not name others.
+  // must not name other kernels.
   if (pins) unsetenv(core_type);
 }
 

@@ -1,7 +1,7 @@
 // Included once per CPU family, with the compiler flags of that family. The including file defines
 // PALPATE_KERNEL_FAMILY (the family's name), PALPATE_KERNEL_NAMESPACE and PALPATE_KERNELS (a
-// namespace and a variable of its own). Do not use inline functions of other headers here: the
-// linker would keep one copy, compiled for one family, and use it for all.
+// namespace and a variable that only this file uses). Do not use inline functions of other headers
+// here: the linker would keep one copy, compiled for one family, and use it for all.
 #include "worker/elements/linear_tetrahedron.hpp"
 #include "worker/elements/shape_functions.hpp"
 

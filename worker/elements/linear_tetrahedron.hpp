@@ -2,10 +2,10 @@
 
 #include "worker/elements/point_response.hpp"
 
-/// At a quadrature point, an element is treated as a linear tetrahedron. Computes its strain from
-/// the vertex displacements d, and the derivatives of its energy with respect to d. Computes all
-/// elements of a batch at once. Every translation unit that compiles kernels gets its own copy, in
-/// its own namespace.
+/// At a quadrature point, an element is treated as a linear tetrahedron. The functions here compute
+/// its strain from the vertex displacements d, and the derivatives of its energy with respect to d,
+/// for all elements of a batch at once. Every translation unit that compiles kernels gets its own
+/// copy, in its own namespace.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 using PerVertex = Pack[4][3];              ///< a vector per vertex

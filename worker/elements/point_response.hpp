@@ -25,7 +25,7 @@ struct VolumeFunction {
 };
 
 struct Response {
-  Pack energy;                ///< energy per volume at rest, with its volumetric part, Pa
+  Pack energy;                ///< energy per rest volume, with its volumetric part, Pa
   Voigt S;                    ///< second Piola-Kirchhoff stress, Pa
   Pack D[6][6];               ///< dS/dgamma, Pa; set only if the tangent is computed
   VolumeFunction constraint;  ///< c(J); set only if the material has a pressure
@@ -78,11 +78,11 @@ PALPATE_INLINE void addTraceConstraint(Pack p, Strain<Pack>& strain, Response& r
   response.constraint = {trace, Pack{} + 1.0, Pack{}};
   response.energy -= p * trace;
   for (int v = 0; v < 3; ++v) response.S[v] -= p;
-  // Stands for the factor C^-1 in the stress of the other constraints.
+  // The identity takes the place of C^-1 in the stress of the other constraints.
   for (int v = 0; v < 6; ++v) strain.C_inverse[v] = Pack{} + (v < 3 ? 1.0 : 0.0);
 }
 
-/// `mixed`: a pressure or a volumetric energy is added to the energy of the law.
+/// `mixed`: whether a pressure or a volumetric energy is added to the energy of the law.
 template <bool with_tangent, bool mixed, class Law>
 PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameters,
                               const BatchGeometry& geometry, Pack p, Strain<Pack>& strain,

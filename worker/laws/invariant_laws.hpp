@@ -64,8 +64,8 @@ struct VerondaWestmannEnergy {
   }
 };
 
-/// W = c1 (exp(c2 (j1 - 3)) - 1) - c1 c2/2 (j2 - 3): skin (Veronda and Westmann 1970). Infinite if
-/// exp overflows.
+/// W = c1 (exp(c2 (j1 - 3)) - 1) - c1 c2/2 (j2 - 3), for skin (Veronda and Westmann 1970). Infinite
+/// if exp overflows.
 using VerondaWestmann = InvariantLaw<VerondaWestmannEnergy>;
 
 struct HolzapfelGasserOgdenEnergy {

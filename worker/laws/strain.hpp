@@ -29,7 +29,7 @@ constexpr int voigt_of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 template <class T>
 struct Strain {
   T e[6];  ///< strain in Voigt order, engineering shear
-  /// C = F^T F: tensor components of its inverse in Voigt order. Set only if Law::needs_C_inverse.
+  /// Inverse of C = F^T F, tensor components in Voigt order. Set only if Law::needs_C_inverse.
   T C_inverse[6];
   T J;  ///< det F; set only if Law::needs_C_inverse
   /// Unit directions of the fibre families at rest, zero if absent. Set only if Law::needs_fibers.

@@ -65,7 +65,7 @@ bool Mailbox::hasWork() {
 std::optional<ReadyJob> Mailbox::next(bool waits) {
   std::unique_lock lock(mutex_);
   progress_.heartbeat.set_solving(false);
-  // A request to drop the current job meant the previous job.
+  // An earlier request to drop the current job concerned the previous job.
   forget_current_ = false;
   if (waits) changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
   if (jobs_.empty()) return std::nullopt;

@@ -20,7 +20,7 @@ struct ReadyJob {
   std::shared_ptr<const NodalFields> start;  ///< null for the rest state
 };
 
-/// A solved target to be sent to the scheduler.
+/// The result of a target, to be sent to the scheduler.
 struct FinishedTarget {
   wire::Result result;
   std::string fields;  ///< payload of `result`; empty for a failure
@@ -41,7 +41,7 @@ class Mailbox {
   /// Drops the queued jobs and the rest of the current one. The target that is being solved is
   /// finished and reported.
   void forgetJobs();
-  /// Announces that no more jobs will come: next() returns nullopt once the queue is empty.
+  /// Announces that no more jobs will come. next() then returns nullopt once the queue is empty.
   void close();
   /// Returns and removes the finished targets, in order.
   std::vector<FinishedTarget> takeFinished();
@@ -51,7 +51,7 @@ class Mailbox {
   struct Progress {
     wire::Heartbeat heartbeat;  ///< as sent to the scheduler
     std::uint64_t begun = 0;    ///< number of starts and targets begun so far
-    /// A start or target that takes longer is taken to hang (wire::Job.hung_after_s). 0: no limit.
+    /// A start or target that takes longer has hung (wire::Job.hung_after_s). 0: no limit.
     std::chrono::seconds hung_after{0};
   };
   Progress progress();
@@ -70,7 +70,7 @@ class Mailbox {
   /// Stores a target for the network thread. Wakes that thread, unless it was woken a moment ago
   /// and the job continues.
   void finish(FinishedTarget target);
-  /// Last call of the solver thread; `error` is empty after a normal end.
+  /// The solver thread calls this last. `error` is empty after a normal end.
   void solverEnds(const std::string& error);
 
  private:
@@ -82,7 +82,7 @@ class Mailbox {
   std::condition_variable changed_;
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
-  std::optional<std::chrono::steady_clock::time_point> woke_;  ///< last wake-up
+  std::optional<std::chrono::steady_clock::time_point> woke_;  ///< time of the last wake-up
   Progress progress_;
   bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;

@@ -308,8 +308,8 @@ void WorkerSession::forgiveOwnGap(Time now) {
   if (idle_since_) *idle_since_ += gap;
 }
 
-/// Returns whether, for leave_idle_s, no job was queued or being solved and every result was
-/// acknowledged.
+/// Returns whether the worker has been idle for leave_idle_s: no job was queued or being solved,
+/// and every result was acknowledged.
 bool WorkerSession::isIdleForLong(Time now) {
   if (!waiting_.empty() || !unacknowledged_.empty() || mailbox_.hasWork())
     idle_since_.reset();

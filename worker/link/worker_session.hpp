@@ -20,7 +20,7 @@ struct SessionOptions {
   std::string host;
   std::uint32_t pid = 0;
   std::string kernel_family;           ///< as arithmetic() returns it
-  std::vector<std::string> runs = {};  ///< other kernel families that it can restart with
+  std::vector<std::string> runs = {};  ///< otherArithmetic() of this worker
   /// The worker ends after this long without a message from the scheduler.
   double give_up_s = 15 * 60;
   /// The worker leaves after this long without work. 0: never.

@@ -79,7 +79,7 @@ OddEdges oddEdgesOf(const std::vector<Triangle>& triangles) {
 struct SurfaceShell {
   std::vector<std::int32_t> triangles;
   Eigen::AlignedBox3d box = {};
-  double volume = 0;  ///< positive if it faces outward
+  double volume = 0;  ///< positive if the shell faces outward
   double area = 0;
   std::int64_t open_edges = 0;
   int depth = 0;             ///< number of shells around it
@@ -192,8 +192,7 @@ class SurfaceRepair {
     if (triangles_.empty()) throw wrong("all its triangles have zero area");
   }
 
-  /// The result of merging corners at open edges with corners near them. `left` has the odd edges
-  /// that remain.
+  /// The result of merging nearby corners of open edges. `left` has the odd edges that remain.
   struct JoinedCorners {
     std::vector<std::int32_t> same_as;
     std::int64_t count = 0;
@@ -201,8 +200,8 @@ class SurfaceRepair {
     OddEdges left;
   };
 
-  /// Merges corners at the open edges that are within `reach` of each other, and also within a
-  /// quarter of the mean length of these edges, so that holes remain. Does not change the surface.
+  /// Finds the corners of open edges to merge: those at most `reach` apart, and at most a quarter
+  /// of the mean length of these edges, so that holes remain. Does not change the surface.
   JoinedCorners joinedCorners(const std::vector<Side>& open, double reach) const {
     std::vector<std::int32_t> corners;
     double length = 0;
@@ -242,9 +241,9 @@ class SurfaceRepair {
     dropIdleTriangles();
   }
 
-  /// Removes triangles without area. Programs insert such a triangle to close a crack, if a corner
-  /// on one side of it lies in the middle of an edge on the other side. Instead, the triangle at
-  /// that edge is cut in two at that corner.
+  /// Removes triangles without area. Programs insert such a triangle to close a crack between a
+  /// corner on one side and the middle of an edge on the other side. Here, the triangle at that
+  /// edge is cut in two at that corner instead.
   void cutBesideFlatTriangles() {
     bool cut = false;
     while (cutBesideOneEach()) cut = true;
@@ -457,8 +456,8 @@ class SurfaceRepair {
     measureShells();
   }
 
-  /// Returns whether a point lies inside a shell. The shell's solid angle at the point is 4 pi if
-  /// it does, otherwise zero.
+  /// Returns whether a point lies inside a shell. The shell's solid angle is 4 pi at points inside,
+  /// zero outside.
   bool isInside(const Eigen::Vector3d& point, const SurfaceShell& shell) const {
     if (!shell.box.contains(point)) return false;
     double angle = 0;

@@ -51,16 +51,16 @@ double edgeFor(double volume, double area, double nodes);
 /// Makes a closed surface from the triangles of a file.
 ///
 /// Corrections, each of which adds a note:
-/// - Corners within 1e-6 of the bounding box's diagonal of each other are merged.
-/// - Corners at open edges are merged within 1e-4 of the diagonal, if that closes edges.
+/// - Corners at most 1e-6 diagonals of the bounding box apart are merged.
+/// - Corners of open edges at most 1e-4 diagonals apart are merged, if that closes edges.
 /// - Triangles with two equal corners, and repeated triangles, are dropped.
 /// - Triangles are reversed until neighbours face the same side and all face outward.
 ///
 /// A shell inside a body is a cavity. A cavity narrower than an element edge of this `fineness` is
 /// filled.
 ///
-/// The following cause an Error (bad input). Its message begins with `source`, and gives their
-/// number, the first place and the remedy:
+/// The following cause an Error (bad input). Its message begins with `source` and gives the number
+/// of faults, the place of the first one, and the remedy:
 /// - no triangles, or far too large coordinates;
 /// - edges with one triangle (open) or with more than two;
 /// - a one-sided surface, or no volume;

@@ -295,8 +295,8 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
     const double off = std::abs(std::log(nodes / fineness.nodes)),
                  change = std::abs(volumeOf(made->mesh) / surface.volume - 1);
     spdlog::info("{} nodes with edges of {:.3g}", made->mesh.nodes.size(), size);
-    // Fine details of the surface need nodes at every edge length. If a coarser mesh loses volume
-    // of the body, the finer mesh is kept.
+    // Fine details of the surface need many nodes, whatever the edge length. If a coarser mesh
+    // loses volume of the body, the finer mesh is kept.
     if (best && change > told_volume && best_change <= told_volume) break;
     if (!best || off < best_off) {
       best_change = change;

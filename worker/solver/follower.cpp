@@ -8,9 +8,9 @@
 namespace palpate {
 namespace {
 
-/// Time from a position of the hand to its predicted position, in durations of a solve. An answer
-/// is used from the end of its solve to the end of the next one. The prediction is for the middle
-/// of this time.
+/// Time from the latest position of the hand to the predicted one, in durations of a solve. An
+/// answer is used from the end of its solve to the end of the next one. The prediction is for the
+/// middle of this time.
 constexpr double ahead = 1.5;
 /// Upper limit of this time, s. Hands change their motion within a tenth of a second.
 constexpr double longest_ahead = 0.15;

@@ -76,7 +76,8 @@ double halfSpace() {
   return std::numbers::pi * patch_radius / ((1 - tissue::poisson * tissue::poisson) * integral);
 }
 
-/// The cube behaves as a half-space to about 1 %. The rest of the deviation is due to the mesh.
+/// Compares k/E on the cube with k/E on a half-space. The cube behaves as a half-space to about 1
+/// %. The rest of the deviation is due to the mesh.
 Row weighted(DisplacementSpace displacement, int elements, double tolerance) {
   return {fmt::format("weighted average {}, h = 1/{}: k/E", word(displacement), elements),
           sceneStiffness(displacement, elements, ToolKind::weighted_average), halfSpace(),

@@ -1,4 +1,4 @@
-// Hard cases: a tool is pushed into a body from rest, by the transitions of `palpate solve`. The
+// Hard cases: a tool is pushed into a body from rest, with the transitions of `palpate solve`. The
 // reference forces were computed with GetFEM on the same meshes, by
 // tests/worker/verification/hard_reference.py, except the forces of the bone with linear elements.
 #include <fmt/format.h>

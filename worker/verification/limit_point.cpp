@@ -83,8 +83,8 @@ std::vector<Row> limitPointRows() {
       {{{"limit point, tangent no longer definite: stretch", stretchOfLimitPoint(), exact_stretch,
          1e-5}},
        rowsOfLastLoad(),
-       {{"before it, at 0.60: negative eigenvalues", double(negativeUnderLoad(0.60)), 0, 0},
-        {"beyond it, at 0.55: negative eigenvalues", double(negativeUnderLoad(0.55)), 1, 0}}});
+       {{"negative eigenvalues at stretch 0.60", double(negativeUnderLoad(0.60)), 0, 0},
+        {"negative eigenvalues at stretch 0.55", double(negativeUnderLoad(0.55)), 1, 0}}});
 }
 
 }  // namespace

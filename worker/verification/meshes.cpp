@@ -27,8 +27,7 @@ Tetrahedron kuhnTetrahedron(std::int32_t corner, const std::array<int, 3>& strid
   return nodes;
 }
 
-/// Returns the box before finishMesh, with nodes on the unit lattice: node (i, j, k) is at (i, j,
-/// k).
+/// Returns a box for finishMesh, with nodes on the unit lattice: node (i, j, k) is at (i, j, k).
 Mesh latticeBox(const std::array<int, 3>& cells) {
   const std::array<int, 3> strides = {1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)};
   Mesh mesh;

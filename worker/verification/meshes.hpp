@@ -30,8 +30,8 @@ Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cel
 /// left to lower right. The node groups "first" and "last" are the two faces of the layer.
 Mesh cookMesh(int n, double thickness);
 
-/// Returns a cylinder around the z axis, in `n` rings with 6 n facets around. The group "first" is
-/// at z = 0, "last" at z = length.
+/// Returns a cylinder around the z axis, with `n` rings of cells and 6 n facets around the axis.
+/// The group "first" is at z = 0, "last" at z = length.
 Mesh cylinderMesh(double radius, double length, int n, int layers);
 
 /// Returns a quarter (x, y >= 0) of a tube around the z axis: n cells around and n through the

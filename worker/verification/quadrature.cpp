@@ -38,7 +38,7 @@ std::vector<ReferencePoint> collapsedRule() {
   return points;
 }
 
-/// Computes the shape functions and gradients of all nodes, from the ones of the vertices.
+/// Computes the shape functions and gradients of all nodes from those of the vertices.
 void fillShapeFunctions(IntegrationPoint& point, const std::array<Eigen::Vector3d, 4>& gradients) {
   const auto& l = point.vertex_N;
   const bool quadratic = point.nodes == 10;

@@ -8,7 +8,7 @@
 namespace palpate::verification {
 
 /// An integration point in an element, with the element's shape functions at this point. It is
-/// independent of the element kernels, because verification checks them with it.
+/// computed without the element kernels, which verification checks with it.
 struct IntegrationPoint {
   double weight;      ///< m^3
   Eigen::Vector3d X;  ///< metres, at rest

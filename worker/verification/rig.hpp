@@ -7,8 +7,8 @@
 #include "worker/verification/case.hpp"
 #include "worker/verification/meshes.hpp"
 
-/// The tools that verification problems share: cases and rows, bodies with materials, supports and
-/// loads, solving and measuring.
+/// Functions that verification problems share. They make bodies with materials, supports and loads,
+/// solve, and measure.
 namespace palpate::verification {
 
 /// Discretizations, as a scene's [discretization] chooses them.

@@ -1,4 +1,4 @@
-// A cylinder whose ends rotate against each other at a constant distance. The axial force
+// A cylinder whose ends rotate relative to each other at a constant distance. The axial force
 // (Poynting's effect) distinguishes C10 from C01; the torque does not (Rivlin 1949).
 #include <fmt/format.h>
 
