@@ -113,7 +113,7 @@ public sealed class GuardHandle : Handle {
   protected override bool ReleaseHandle() { Native.palpate_guard_destroy(handle); return true; }
 }
 
-/// Uses `ref` even if the library only reads, because Mono crashes on `in` beside an `out` handle.
+/// Uses `ref` even if the library only reads, because Mono crashes on an `in` parameter next to an `out` handle.
 public static class Native {
   private const string Library = "palpate";
   [DllImport(Library)] public static extern int palpate_abi_version();
@@ -173,7 +173,7 @@ public static class Datasets {
     return corners;
   }
 
-  /// Returns the number of surfaces that a finger can touch; zero if the dataset has single active nodes.
+  /// Returns the number of surfaces that a finger can touch; zero if the dataset has only single active nodes.
   public static int AreaCount(this DatasetHandle dataset) {
     Native.Check(Native.palpate_dataset_area_count(dataset, out int count));
     return count;

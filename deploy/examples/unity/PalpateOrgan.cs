@@ -23,7 +23,7 @@ public sealed class ToolObject : IHapticDevice {
     }
   }
   public void Write(Vector3d limited) { lock (gate) force = limited; }
-  /// Moves the tool. Call it from Update(); frame of the organ in Unity.
+  /// Moves the tool to `place`, in the organ's frame in Unity. Call it from Update().
   public void MoveTo(Vector3 place) {
     lock (gate) {
       position = Vector3d.FromUnity(place);

@@ -11,7 +11,7 @@ Contents:
 ``Dataset``    a dataset in memory; ``query`` answers any number of displacements in one call
 ``Contact``    a tool that touches the body, slides and lets go, one position at a time
 ``Live``       a solver that follows the hand: exact forces near it, also without a dataset
-``Guard``      limits a force to a safe one for a haptic device
+``Guard``      makes a force safe for a haptic device
 ``Arrays``     the contents of a dataset file, as NumPy arrays (needs h5py)
 ``Recording``  the run that ``palpate view --record`` wrote, as NumPy arrays (needs h5py)
 

@@ -249,8 +249,8 @@ class Handle:
         self._handle = _Owned(handle, self._destroy)
 
     def close(self) -> None:
-        """Frees the handle after running calls of other threads have ended; the object is unusable from now on. Without this call,
-        Python frees the handle with the last reference."""
+        """Makes the object unusable, and frees its handle when nothing else uses it. Without this call, Python frees the
+        handle with the last reference."""
         self._handle = None
 
     def __enter__(self) -> Any:

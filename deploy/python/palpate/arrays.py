@@ -158,7 +158,7 @@ class Arrays:
         ...     tip = arrays["tip"]
         ...     print(tip.position[tip.solved], tip.force[tip.solved])
 
-    Unlike ``Dataset``, reads with h5py and prepares nothing. One thread at a time. A pickle stores the path of the file.
+    Unlike ``Dataset``, it reads with h5py and prepares nothing. One thread at a time. A pickle stores the path of the file.
     """
 
     def __init__(self, file: str | os.PathLike[str]) -> None:

@@ -34,7 +34,7 @@ class ContactOptions:
     friction: float  #: Coulomb friction coefficient, for unilateral contact
     grab_distance: float  #: m; glued contact: distance at which the tool sticks to the surface
     most_slide: float  #: m; longest slide of the point of contact per update
-    most_relaxation: float  #: largest relative change of the force per update by sliding, on top of that by the tool's motion
+    most_relaxation: float  #: largest relative change of the force per update by sliding, besides that by the tool's motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ class Contact(_library.Handle):
     def __init__(self, dataset: Dataset, options: ContactOptions | None = None, method: str | int = 0,
                  live: Live | None = None) -> None:
         """options: default ``Contact.defaults(dataset)``. method: name or index of a prepared method. live: a live solver of
-        ``dataset`` (``Live.dataset``) that corrects the forces; one contact at a time."""
+        ``dataset`` (``Live.dataset``) that corrects the forces of one contact at a time."""
         given = _library.ContactOptions()
         _library.call("contact_defaults", dataset.handle, byref(given))
         if options is not None:

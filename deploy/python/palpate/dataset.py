@@ -113,7 +113,7 @@ class Dataset(_library.Handle):
 
         methods: interpolation methods to prepare; each takes time and memory. Default: "potential" (conservative) and
         "trilinear". ``palpate query --help`` lists them.
-        reach: distance along the surface up to which a contact feels an active node, m. 0: as far as the node's triangles.
+        reach: distance along the surface up to which a contact feels an active node, m. 0: only on the triangles at the node.
         """
         options = _library.OpenOptions(reach=reach)
         if methods is not None:
@@ -132,14 +132,14 @@ class Dataset(_library.Handle):
         self.name: str = self._info.name.decode()  #: name of the scene
         self.file: str = os.fsdecode(self._info.file)  #: path as given
         self.content_id: str = self._info.content_id.decode()  #: 64 hexadecimal digits, equal for equal results
-        self.max_force: float = self._info.max_force  #: N, force limit of the scene, beyond which solving stops
+        self.max_force: float = self._info.max_force  #: N, of the scene; solving does not go on from a point with a larger force
         #: prepared methods, the first is the default
         self.methods: tuple[str, ...] = tuple(bytes(_library.functions["dataset_method"](handle, m)).decode()
                                               for m in range(self._info.method_count))
 
     @classmethod
     def _of(cls, handle: c_void_p) -> Dataset:
-        """Returns the dataset of a handle, which has no file."""
+        """Returns a dataset without a file, from its handle."""
         dataset = cls.__new__(cls)
         dataset._path, dataset._reach = "", 0.0
         dataset._take(handle)
@@ -236,7 +236,7 @@ class Dataset(_library.Handle):
         return self._number(method, list(self.methods), "prepared method")
 
     def _number(self, word: str | int | None, names: list[str], what: str) -> int:
-        """Returns the index for a name or an index; None stands for the only one."""
+        """Returns the index for ``word``, which is a name, an index, or None if there is only one name."""
         if word is None and len(names) == 1:
             return 0
         if isinstance(word, (int, np.integer)) and 0 <= word < len(names):

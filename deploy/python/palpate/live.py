@@ -27,7 +27,7 @@ class LiveInfo:
 class Live(_library.Handle):
     """A process that solves for equilibria near the hand while it moves, and corrects the forces of one contact.
 
-    Use it as ``Contact(live.dataset, live=live)``. Its forces follow the hand in real time, so update the contact every
+    Use it as ``Contact(live.dataset, live=live)``. The forces follow the hand in real time, so update the contact every
     ``period`` seconds. A contact keeps its live solver until the contact is closed.
     """
 
@@ -37,8 +37,8 @@ class Live(_library.Handle):
                  worker: str | os.PathLike[str] | None = None, follower: str | None = None, keys: str | None = None) -> None:
         """Starts the live solver and waits until it is ready, which takes seconds.
 
-        scene: file of the scene. dataset: the dataset of this scene that is corrected. None: a guess stands for it, whose forces
-        are marked as not inside.
+        scene: file of the scene. dataset: the dataset of this scene that is corrected. None: a guess without computed data,
+        whose forces are marked as not inside.
         period: s, between two updates of the contact.
         worker: path of the program palpate-worker; None: found in PATH. follower: address of ``palpate follow`` on another
         machine; None: a worker is started here. keys: folder of the keys for ``follower``; "": none.

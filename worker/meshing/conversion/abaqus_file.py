@@ -22,7 +22,7 @@ def abaqus_kind(word):
 
 
 class Abaqus:
-    """The model in an .inp file and the files that it includes. Node and element numbers are valid in one part, the scope."""
+    """The model in an .inp file and the files that it includes. Node and element numbers are valid in one scope, mostly a part."""
 
     def __init__(self, path):
         self.files, self.scope, self.part_of = [path], "", {}  # part_of: name of an instance -> scope
@@ -201,7 +201,7 @@ class Abaqus:
                 found += self.known_set(self.keyword, word)
 
     def known_set(self, kind, name):
-        """Returns the members of a set by its name; the assembly may put the name of an instance before it."""
+        """Returns the members of the set of this name. In the assembly, the name may begin with an instance: "INSTANCE.SET"."""
         instance, _, of_instance = name.rpartition(".")
         known = of_instance if instance.upper() in self.part_of else name
         if known.upper() not in self.sets[kind]:

@@ -21,7 +21,7 @@ MOST_PARTS = 64
 
 
 class Wrong(Exception):
-    """An error of the input, as a sentence."""
+    """An error in the input file, as a sentence."""
 
 
 def wrong(source, line, what):
@@ -72,7 +72,7 @@ def plain(name):
 
 
 def are_numbers_of_parts(name, arrays):
-    """Returns whether arrays contain part numbers, which are integers, or floats in arrays named like parts."""
+    """Returns whether arrays contain part numbers. These are integers, or floats if the name of the array means parts."""
     if name == "gmsh:geometrical" or name.startswith("vtk") or name == "gmsh:dim_tags":
         return False
     if all(np.asarray(array).dtype.kind in "iu" for array in arrays):

@@ -7,7 +7,7 @@ from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, counted, wrong
 ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
 COINCIDENT = 1e-6  # relative to the diagonal, as in common/mesh/mesh.hpp
 STRAIGHT = 1e-6  # relative to the edge's length, as in common/mesh/mesh.cpp
-ROUNDED = 2e-6  # error of a midpoint in six digits or float32, relative to the largest coordinate
+ROUNDED = 2e-6  # error of a midpoint written with six digits or as float32, relative to the largest coordinate
 
 
 def check_points(body, source):
@@ -55,7 +55,7 @@ def weld(body):
 
 
 def off_middle(points, cells):
-    """Returns n x 6 distances of mid-edge nodes from the middles, and the limits for straight edges, in edge lengths."""
+    """Returns the distances of mid-edge nodes from the middles, and their limits for straight edges: n x 6, in edge lengths."""
     off, straight = np.empty((len(cells), 6)), np.empty((len(cells), 6))
     rounding = ROUNDED * np.abs(points).max()
     for e, (a, b) in enumerate(EDGES):

@@ -5,7 +5,7 @@
 Writes a mesh with tetrahedra in Gmsh's format 2.2, ASCII, with its groups. Writes a mesh of triangles alone as the bytes that
 closed_surface.cpp reads: two int64 (points, triangles), the points as float64, the triangles as int32. The first line of stdout
 is "volume" or "surface"; each further line is a note for the user. Exit code 2: the input is wrong; stderr has one sentence.
-Exit code 3: a Python module is missing (numpy too); stderr has its name.
+Exit code 3: a Python module (numpy or another) is missing; stderr has its name.
 
 This program has its own readers for formats whose groups meshio loses (.inp, binary .msh), for formats that meshio does not
 know (.feb, TetGen with ten nodes), and for plain surfaces, so that errors name the line. meshio reads everything else.

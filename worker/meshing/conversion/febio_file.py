@@ -125,7 +125,7 @@ def words_of(element):
 
 
 def ids_in(element, path):
-    """Returns the ids of <node id="1"/>, <n id="1"/>, <e id="1"/>, or in the text: 1:4 is 1 to 4, 1:9:2 every second."""
+    """Returns the ids of children like <node id="1"/>, and those in the text, where 1:4 is 1 to 4 and 1:9:2 every second one."""
     ids = [child.attributes["id"].strip() for child in element.children if "id" in child.attributes]
     for word in words_of(element):
         if ":" not in word:

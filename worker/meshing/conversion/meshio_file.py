@@ -33,7 +33,7 @@ def heed_warnings(path, said):
 def without_mark(path):
     """Yields the path of a file, or of a copy without its UTF-8 byte order mark, which meshio would read as text."""
     with open(path, "rb") as file:
-        if file.read(3) != b"\xef\xbb\xbf" or file.read(1) == b"<":  # XML allows the mark, and may name files beside it
+        if file.read(3) != b"\xef\xbb\xbf" or file.read(1) == b"<":  # XML allows the mark, and may name files in its folder
             yield path
             return
     with tempfile.TemporaryDirectory() as folder:

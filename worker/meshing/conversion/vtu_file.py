@@ -124,7 +124,7 @@ class VtuFile:
         return base64_of(data[alone:], size) if data[alone - 1:alone] == b"=" else base64_of(data, width + size)[width:]
 
     def compressed(self, data, is_base64):
-        """Decompresses data. A header has the number of blocks, the size of a block and of the last, and the compressed sizes."""
+        """Decompresses data. The header: number of blocks, size of a block, size of the last block, all compressed sizes."""
         width = self.header.itemsize
         count = self.numbers(base64_of(data, width) if is_base64 else data, 1)[0]
         head_size = (3 + count) * width
