@@ -33,10 +33,10 @@ struct Shell {
   double more = 0;     ///< average number of points that splits add per point
 };
 
-/// Returns how many points splits add per lattice point, for lattice points like the end of step n
-/// of `path`. The cells at a reached point are split as often as its error demands. The cells at an
-/// unreached point are split at every level. For a finger, however, they are split only once; if
-/// they touch the rest position (n = 0), their part at rest is split at every level
+/// Returns the number of points that splits add per lattice point, for lattice points like the end
+/// of step n of `path`. The cells at a reached point are split as often as its error demands. The
+/// cells at an unreached point are split at every level. For a finger, however, they are split only
+/// once; if they touch the rest position (n = 0), their part at rest is split at every level
 /// (nextRefinement).
 double added(const Path& path, std::size_t n, bool finger, std::int32_t levels) {
   const PathStep& step = path.steps[n];

@@ -9,9 +9,9 @@
 namespace palpate {
 
 /// Makes this program run on one OpenBLAS thread with the BLAS kernels of this CPU's family. If the
-/// environment variables named below have other values, sets them and restarts the program in the
-/// same process, with the same arguments. Call this first in main(). It returns if no restart is
-/// needed, or if the restart failed.
+/// environment variables named below do not select this yet, sets them and restarts the program in
+/// the same process, with the same arguments. Call this first in main(). It returns if no restart
+/// is needed, or if the restart failed.
 ///
 /// Sets OPENBLAS_CORETYPE (blasKernelsOf), unless the user set it, and OPENBLAS_NUM_THREADS=1,
 /// because each thread of OpenBLAS takes 128 MiB of address space. Two kernels of equal speed can

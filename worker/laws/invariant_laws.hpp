@@ -109,8 +109,8 @@ struct HolzapfelGasserOgdenEnergy {
 ///   E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)),   j4 = J^(-2/3) a.C a
 ///
 /// with a the fibre direction at rest. Fibres bear no compression, so the tangent D jumps at E = 0.
-/// At E = 0, where all fibres are at rest, D is the mean of its values on both sides. W is infinite
-/// if exp overflows.
+/// In the rest state all fibres are at E = 0, where D is the mean of its values on both sides. W is
+/// infinite if exp overflows.
 using HolzapfelGasserOgden = InvariantLaw<HolzapfelGasserOgdenEnergy, true>;
 
 template <class T>

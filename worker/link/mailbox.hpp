@@ -31,7 +31,7 @@ struct FinishedTarget {
 /// allowed from either thread.
 class Mailbox {
  public:
-  /// While a job continues, the network thread is woken at most once in `gathers_for`, so that
+  /// While a job continues, the network thread is woken at most once per `gathers_for`, so that
   /// targets which finish soon after each other are sent together.
   explicit Mailbox(std::chrono::milliseconds gathers_for = std::chrono::milliseconds(10));
 

@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds poll_interval{50};
 
 /// Makes the system end this process (SIGALRM) about one second after `drain_s`. This is the last
-/// resort, for a thread that waits forever for a lock of the solver thread.
+/// resort, for a thread that waits forever for a lock that the solver thread holds.
 void endAnyway(double drain_s) { alarm(static_cast<unsigned>(std::ceil(drain_s)) + 1); }
 
 }  // namespace

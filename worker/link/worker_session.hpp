@@ -25,7 +25,7 @@ struct SessionOptions {
   double give_up_s = 15 * 60;
   /// The worker leaves after this long without work. 0: never.
   double leave_idle_s = 0;
-  /// After an interrupt: time limit for the current target to be solved and acknowledged.
+  /// Time after an interrupt within which the current target must be solved and acknowledged.
   double drain_s = 10;
 };
 
@@ -33,8 +33,8 @@ struct SessionOptions {
 /// start configurations, delivers results and keeps each result until it is acknowledged. After any
 /// failure of the scheduler it repeats its requests and deliveries.
 ///
-/// Messages and the time go in, messages come out; a WorkerSession has no socket and no clock. One
-/// thread; the solver is on the other side of the mailbox.
+/// The caller passes messages and the time, so a WorkerSession needs neither a socket nor a clock.
+/// One thread; the solver is on the other side of the mailbox.
 class WorkerSession {
  public:
   using Time = std::chrono::steady_clock::time_point;

@@ -29,8 +29,7 @@ constexpr std::size_t listed_bodies = 5;
 /// asks the user to merge corners, otherwise to close holes.
 constexpr double closed_gap = 1e-4, told_gap = 1e-2;
 
-/// One edge of one triangle. The edge is identified by its end with the lower number and its end
-/// with the higher number.
+/// One edge of one triangle. `low` and `high` are the numbers of its ends, the lower one first.
 struct Side {
   std::int32_t low, high, triangle;
   bool upward;  ///< the triangle runs from low to high

@@ -30,7 +30,7 @@ struct ClosedSurface {
   std::vector<std::string> notes = {};  ///< corrections, sentences for the user
 };
 
-/// Which body to take from a file that may contain several.
+/// The body to take from a file that may contain several.
 enum class Bodies : std::uint8_t {
   only,    ///< the file must contain one body
   largest  ///< the body of the largest volume, with its cavities; all others are dropped
@@ -51,8 +51,8 @@ double edgeFor(double volume, double area, double nodes);
 /// Makes a closed surface from the triangles of a file.
 ///
 /// Corrections, each of which adds a note:
-/// - Corners at most 1e-6 diagonals of the bounding box apart are merged.
-/// - Corners of open edges at most 1e-4 diagonals apart are merged, if that closes edges.
+/// - Corners are merged if they are at most 1e-6 of the bounding box's diagonal apart.
+/// - Corners of open edges are merged up to 1e-4 of the diagonal apart, if that closes edges.
 /// - Triangles with two equal corners, and repeated triangles, are dropped.
 /// - Triangles are reversed until neighbours face the same side and all face outward.
 ///

@@ -30,8 +30,8 @@ constexpr const char* words_of_fixed[] = {"fix",  "clamp",  "encastre", "support
 constexpr double most_fixed = 0.6;
 /// Length of the fixed end, as a fraction of the body's longest extent.
 constexpr double fixed_end = 0.15;
-/// Wanted radius of the finger, in mean edges of the surface, and the factors on this radius that
-/// are tried one after another while there are warnings.
+/// Wanted radius of the finger, in mean edges of the surface. While there are warnings, these
+/// shares of the radius are tried one after another.
 constexpr double wanted_edges = 1.5;
 constexpr double finger_shares[] = {1, 0.85, 0.75, 0.67, 1.3, 1.7, 2.2};
 /// Largest surface area in units of the finger's radius^2. There are about 1.7 area / radius^2

@@ -204,7 +204,7 @@ class Filling {
     const std::filesystem::path body = folder_ / "body.msh";
     std::error_code ignored;
     std::filesystem::remove(body, ignored);
-    // Without this, options that the user saved in gmsh would change the mesh.
+    // Otherwise, options that the user saved in gmsh would change the mesh.
     setenv("GMSH_HOME", folder_.c_str(), 1);
     const Ran ran = runMeshing({.words = {"gmsh", "-3", (folder_ / "body.geo").string(), "-format",
                                           "msh22", "-o", body.string(), "-v", "3"},

@@ -33,8 +33,8 @@ bool isFull(const SparsityPattern& pattern) {
   return pattern.row.size() == n * (n + 1) / 2;
 }
 
-/// Throws an Error if MUMPS ran out of memory. Unlike a matrix that cannot be factorised, this says
-/// nothing about the body.
+/// Throws an Error if MUMPS ran out of memory. Unlike a matrix that cannot be factorised, a lack of
+/// memory says nothing about the body.
 void refuseWithoutMemory(int infog1, int infog2) {
   if (infog1 != no_integers && infog1 != no_reals) return;
   // A negative INFOG(2) is a number of millions (MUMPS manual).

@@ -13,7 +13,7 @@ namespace {
 
 /// Sufficient decrease of the residual norm, per unit of step (Armijo).
 constexpr double sufficient_decrease = 1e-4;
-/// Limits of the relaxation near the tool: iterations, and halvings of a step.
+/// Limits of the relaxation near the tool: number of iterations, and of halvings per step.
 constexpr int most_relaxations = 12, most_halvings = 6;
 
 /// Applies Broyden's updates to `step`, which was solved with the factorised tangent. `taken` holds

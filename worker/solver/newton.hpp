@@ -9,7 +9,7 @@ namespace palpate {
 struct NewtonOptions {
   int max_iterations = 40;
   int max_factorizations = 6;
-  int max_halvings = 6;  ///< of a step, by the line search
+  int max_halvings = 6;  ///< number of halvings of a step by the line search
   /// Factorises a new tangent in each iteration. Use it for bodies whose stiffness jumps: Broyden's
   /// updates of an old tangent help little there.
   bool renew_always = false;

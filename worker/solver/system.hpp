@@ -164,7 +164,7 @@ class System {
   const BodyModel model_;
   const ElementKernels& kernels_;
   const double mean_edge_;                           ///< metres
-  const double shear_modulus_;                       ///< the smallest, Pa
+  const double shear_modulus_;                       ///< smallest of the materials, Pa
   const std::vector<ElementParameters> parameters_;  ///< per material
   const PressureSlots pressures_;
   const DofMap unknowns_;

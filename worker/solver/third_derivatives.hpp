@@ -21,10 +21,10 @@ namespace palpate {
 /// p, then three for s. `finger` must be the tool of `system`. Costs six tangents and no
 /// factorisation. The results are right to about seven digits.
 ///
-/// If the stiffness of an element jumps between the two states of a difference (slack fibres become
-/// taut), the result is the jump divided by the step. That number is useless, and LocalFits::judge
-/// detects it. At rest all fibres are at the jump. The results are not finite if the state is too
-/// close to an inverted element.
+/// If the stiffness of an element jumps between the two states of a central difference (slack
+/// fibres become taut), the result is the jump divided by the step. That number is useless, and
+/// LocalFits::judge detects it. At rest all fibres are at the jump. The results are not finite if
+/// the state is too close to an inverted element.
 void setThirdDerivatives(const System& system, const State& state,
                          const Eigen::MatrixXd& sensitivity, const FingerWeights& finger,
                          Equilibrium& equilibrium);

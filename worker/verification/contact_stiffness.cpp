@@ -76,16 +76,16 @@ double halfSpace() {
   return std::numbers::pi * patch_radius / ((1 - tissue::poisson * tissue::poisson) * integral);
 }
 
-/// Compares k/E on the cube with k/E on a half-space. The cube behaves as a half-space to about 1
-/// %. The rest of the deviation is due to the mesh.
+/// Compares k/E of the cube with k/E of a half-space. They differ by about 1 %. The rest of the
+/// deviation is due to the mesh.
 Row weighted(DisplacementSpace displacement, int elements, double tolerance) {
   return {fmt::format("weighted average {}, h = 1/{}: k/E", word(displacement), elements),
           sceneStiffness(displacement, elements, ToolKind::weighted_average), halfSpace(),
           tolerance, "m"};
 }
 
-/// Applies the same load by a finger. The centre of the finger is near the middle, and is not a
-/// node of any of these meshes.
+/// The same comparison for a finger. Its centre is near the middle, and is not a node of any of
+/// these meshes.
 Row finger(DisplacementSpace displacement, int elements, double tolerance) {
   const Eigen::Vector3d beside(0.473, 0.519, 1);
   return {fmt::format("finger {}, h = 1/{}: k/E", word(displacement), elements),

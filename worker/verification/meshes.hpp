@@ -8,8 +8,8 @@
 /// (finishMesh), positively oriented, linear, in metres, and the same on every machine.
 ///
 /// The node groups of a box are its six sides: "xmin", "xmax", "ymin", "ymax", "zmin" and "zmax".
-/// Bodies made of layers have the groups "first" and "last", the two ends of their layers. Curved
-/// bodies have flat faces, with a geometric error of second order in the element size.
+/// Bodies made of layers have the groups "first" and "last", the outer faces of these two layers.
+/// Curved bodies have flat faces, with a geometric error of second order in the element size.
 namespace palpate::verification {
 
 /// Returns the box [0, size], divided into cells[0] x cells[1] x cells[2] bricks of six Kuhn

@@ -163,7 +163,7 @@ class GuardOptions:
     ramp: float  #: s, time to fade in a jump of the force
     stall: float  #: s, time without a fresh reading after which the force goes to zero
     max_stiffness: float  #: N/m, of the device; has no effect at present
-    energy_credit: float  #: J, largest credit for dissipated energy
+    energy_credit: float  #: J, largest surplus or deficit of energy that is carried along
     delay: float = 0.0  #: s, from the reading of a position until its force acts; 0: within the period
 
 

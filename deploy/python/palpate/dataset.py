@@ -187,7 +187,7 @@ class Dataset(_library.Handle):
         displacements: (..., 3), m, of the active node from rest. Beyond the computed data, the force is that of a wall that
         stiffens with depth, and ``inside`` is False. A displacement that is not finite gives zero force, without an error.
         at: (..., 3), m, position of a finger on the surface at rest. The answer is that of the nearest place on the surface. If
-        ``distance`` exceeds a quarter of the finger's radius, ``inside`` is False. Broadcast against the displacements.
+        ``distance`` exceeds a quarter of the finger's radius, ``inside`` is False. ``at`` is broadcast with ``displacements``.
         active: name or index of the active node, or of the area with ``at``; optional if there is only one.
         method: name or index of a prepared method; a finger with ``at`` has only one.
         out: answers of an earlier call for the same number of displacements, to overwrite without allocation.

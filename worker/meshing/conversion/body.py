@@ -1,4 +1,4 @@
-"""The form in which all readers return a mesh: cells with groups. Also errors of input files."""
+"""Meshes as all readers return them (cells with groups), and errors in input files."""
 import numpy as np
 
 # Gmsh's type number, the dimension and the number of nodes of every kind of cell that is written.
