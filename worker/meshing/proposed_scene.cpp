@@ -204,7 +204,7 @@ c01 = {:.1f}                         # Pa
 name = "skin"
 surface = "all"                      # or {{ box = ... }}, {{ sphere = ... }}, {{ group = ... }}
 tool = "finger"
-radius = {:.4g}{}# {}: radius of the finger: that of the contact, but at least one edge of the mesh, better two
+radius = {:.4g}{}# {}: radius of the contact area of the finger; at least one edge of the mesh, better two
 
 [workspace]                          # how far the finger pushes, and how finely that is computed
 radius = {:.4g}{}# {}: largest displacement; thick parts reach the largest force of the device earlier
@@ -214,16 +214,16 @@ spacing = {:.4g}{}# {}: spacing of the coarsest lattice of displacements
                    unit_.word, depth / 2, pad(depth / 2, 1), unit_.word);
     fmt::format_to(out, R"(
 [accuracy]
-force_error = 0.05                   # relative: the lattice is refined where interpolation is worse; a hand feels 7 %
+force_error = 0.05                   # relative error above which the lattice is refined; a hand feels differences of 7 %
 force_floor = 0.01                   # N: a smaller error is always allowed
-levels = 1                           # most halvings of a cell; force_error = 0.03 with levels = 2 is better, but slower
+levels = 1                           # number of times a cell may be halved; force_error = 0.03 with levels = 2 is better, but slower
 probes = 100                         # exact solutions at random places, from which `palpate report` measures errors
 
 [device]
-profile = "{}"                    # <- the haptic device; forces above its limit, {} N, are not computed
+profile = "{}"                    # <- the haptic device; solving does not go on from a point beyond its limit, {} N
 
 [storage]
-precision = "int16"                  # displacements, used only by the picture, take half the space
+precision = "int16"                  # displacements, which only the display uses, take half the space
 )",
                    proposed_device.name, proposed_device.max_force);
     return text;
