@@ -18,7 +18,7 @@ void CompactPoints::add() {
   count(size_ - 1, 1);
 }
 
-/// Adds `by` to every count of point n, except the counts of attempts.
+/// Adds `by` to every count that includes point n, except the counts of attempts.
 void CompactPoints::count(std::int32_t n, int by) {
   const Point& point = at(n);
   PointCounts& counts = countsOf(n);

@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// Number of points of each kind.
+/// Counts of points, and of failed attempts at them.
 struct PointCounts {
   std::array<std::int32_t, tag_words.size()> of_tag = {};
   std::int64_t attempts = 0;        ///< number of failed attempts
-  std::int32_t unknown_tried = 0;   ///< unknown points with a failed attempt
-  std::int32_t unsolved_tried = 0;  ///< unknown or failed points with a failed attempt
+  std::int32_t unknown_tried = 0;   ///< number of unknown points with a failed attempt
+  std::int32_t unsolved_tried = 0;  ///< number of unknown or failed points with a failed attempt
 
   std::int32_t of(Tag tag) const { return of_tag[static_cast<std::size_t>(tag)]; }
   std::int32_t solved() const { return of(Tag::expandable) + of(Tag::terminating); }
@@ -23,14 +23,15 @@ struct PointCounts {
 /// Counts indexed by Cause.
 using CountsOfCauses = std::array<std::int64_t, 1 + static_cast<std::size_t>(Cause::bifurcation)>;
 
-/// The points of one configuration space, stored compactly, with running counts by kind.
+/// The points of one configuration space, stored compactly, with counts by tag and by cause.
 ///
 /// A build may have ten million points. A point takes about 180 bytes, and 600 more if the tool is
 /// a finger. A PointRecord always takes about 800 bytes, most of them for data that only fingers
 /// have. Reading a count takes constant time.
 class CompactPoints {
  public:
-  /// Starts with `uniform` unknown points. Points added later are counted separately (added()).
+  /// Starts with the `uniform` points of the uniform lattice, all unknown. Points added later are
+  /// counted separately (added()).
   explicit CompactPoints(std::int32_t uniform);
 
   void add();  ///< adds an unknown point

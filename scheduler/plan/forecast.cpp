@@ -7,12 +7,12 @@ namespace palpate {
 namespace {
 
 /// `usual_growth` is the growth by refinement that is expected while few spaces are finished, as a
-/// fraction of the uniform lattice. In the mean growth it weighs as much as finished spaces with a
-/// fraction `worth` of all lattice points, however many spaces have finished, because the spaces
-/// that finish early grow most.
+/// fraction of the uniform lattice. In the mean growth (growthOf) it weighs as much as finished
+/// spaces with a fraction `worth` of all lattice points. The weight does not fall as spaces finish,
+/// because the first ones to finish grow most.
 constexpr double usual_growth = 0.2, worth = 0.25;
 
-/// Numbers of points by outcome, and of attempts, so far in all uniform lattices.
+/// Counts of points by outcome, and of attempts, in all uniform lattices so far.
 struct Fates {
   double went_on = 0, ended = 0, attempts = 0, tried = 0;
   /// Mean number of attempts per tried point: a point that fails from one neighbour is tried from
@@ -84,7 +84,7 @@ class Sample {
 
  private:
   std::int64_t every_;
-  std::int64_t next_ = 0;  ///< index of the next visited point in the lattice of the next space
+  std::int64_t next_ = 0;  ///< index of the next visited point, in the lattice visited next
 };
 
 double grown(const SpacePlan& plan) {

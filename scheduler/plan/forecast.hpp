@@ -16,14 +16,14 @@ inline constexpr std::int64_t most_forecast = 50000;
 
 /// Estimates the remaining work of a build.
 ///
-/// Each unknown lattice point is counted with the probability that it will be tried. This
-/// probability follows from the outermost point that was tried on the straight line from rest to
-/// the unknown point. If no transition may start from that point, the probability is zero.
-/// Otherwise it falls with the distance between the two points.
+/// A lattice point that has not been tried is counted with the probability that it will be. This
+/// probability follows from the outermost tried point on the straight line from rest to it. If no
+/// transition may start from that tried point, the probability is zero. Otherwise it falls with the
+/// distance between the two points.
 ///
-/// A space is expected to grow by refinement as much as the finished spaces did (by a fifth while
-/// few are finished). Once refinement of a space has begun, its own forecast is used
-/// (Refinement::later).
+/// Refinement is expected to enlarge a space by the same fraction as it enlarged the finished
+/// spaces (by a fifth while few are finished). Once refinement of a space has begun, its own
+/// forecast is used (Refinement::later).
 ///
 /// Costs about 0.2 us per unknown point. If there are more than most_forecast lattice points, only
 /// an evenly spaced sample is evaluated; each sampled point then stands for the points up to the

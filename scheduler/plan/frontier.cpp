@@ -9,8 +9,8 @@ namespace palpate {
 
 Frontier::Frontier(const Known& known, int max_attempts)
     : max_attempts_(max_attempts), points_(known.lattice.size()), unsettled_(known.lattice.size()) {
-  // Points near the origin wait for the origin, and farther points wait for those. Only the origin
-  // is ready.
+  // Points near the origin wait for the origin, and farther points wait for nearer ones. Only the
+  // origin is ready.
   for (std::int32_t n = 1; n < known.lattice.size(); ++n) advance(n, known);
   makeReady(0, 0);
 }
@@ -77,7 +77,7 @@ void Frontier::advance(std::int32_t point, const Known& known) {
         return;
       }
     } else if (c.round_reached == round_) {
-      continue;  // reached in this round, so its order of arrival would matter
+      continue;  // reached in this round: the order of arrival would matter
     }
     const bool tried = std::ranges::find(failed, candidate, &FailedAttempt::parent) != failed.end();
     if (known.points.tag(candidate) != Tag::expandable || tried) continue;

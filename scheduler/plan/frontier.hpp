@@ -21,9 +21,9 @@ constexpr Tag tagOf(double force, double max_force) {
 }
 
 /// Number of failed attempts after which a point is given up. Round 0 (see Frontier) makes at most
-/// half of them, rounded up, because its parents all lie on one side of the point and tend to fail
-/// together. Later rounds try parents on any side. The limit is lower than the number of
-/// neighbours, 26, because a failing transition costs as much as ten converging ones.
+/// half of these attempts, rounded up, because its parents all lie on one side of the point and
+/// tend to fail together. Later rounds try parents on any side. The limit is lower than the number
+/// of neighbours, 26, because a failing transition costs as much as ten converging ones.
 inline constexpr int max_attempts_per_point = 8;
 /// The same limit for a finger. A point that cannot be reached from three parents usually lies
 /// behind a fold. A fourth parent reached only one in twelve of these points, while the fourth and
@@ -44,9 +44,9 @@ constexpr int maxAttempts(const ActivePatch& patch) {
 /// - The origin is solved first.
 /// - Round 0: the candidates for the parent of a point x are its neighbours with a smaller squared
 ///   norm, in the order of Lattice::neighbours. A transition from the first expandable candidate
-///   becomes ready. If a candidate before it is not settled (neither solved nor unreached), x waits
-///   for that candidate. Candidates that are terminating, unreached or already tried are skipped.
-///   When no candidate is left, or half of the attempts are used up, x is unreached.
+///   becomes ready. If an earlier candidate is not settled yet (neither solved nor unreached), x
+///   waits for it. Candidates that are terminating, unreached or already tried are skipped. When no
+///   candidate is left, or half of the attempts are used up, x is unreached.
 /// - Round r >= 1 begins when every point is settled. The candidates of an unreached point are all
 ///   neighbours that were expandable when the round began and from which it has not been tried.
 ///   They are tried one after the other until one succeeds or the attempts are used up.

@@ -34,8 +34,8 @@ inline constexpr int deaths_before_aside = 5;
 /// Hand-outs of a transition, and worker deaths in which it is suspected. Kept across restarts.
 struct Losses {
   std::uint32_t attempts = 0;  ///< hand-outs so far
-  int suspected = 0;           ///< worker deaths in which it was the reported or the next target
-  int deaths = 0;              ///< deaths that are attributed to it
+  int suspected = 0;  ///< number of worker deaths in which it was a suspect (Leases::Suspects)
+  int deaths = 0;     ///< number of worker deaths that are attributed to it
   auto operator<=>(const Losses&) const = default;
 };
 
@@ -62,9 +62,9 @@ class Leases {
   /// Adds a transition that became ready, with its losses in earlier runs. It must not have been
   /// added before.
   void add(const ResultKey& key, const Losses& before = {});
-  /// Leases the next job to `worker`: targets with the same start, from the space of highest
-  /// priority, nearest to the origin. The job has at most `most` targets, and few enough that each
-  /// of `workers` workers gets some. Returns none if nothing waits.
+  /// Leases the next job to `worker`. All its targets have the same start: of the spaces with the
+  /// highest priority, the start nearest to the origin. The job has at most `most` targets, and few
+  /// enough that each of `workers` workers gets some. Returns none if nothing waits.
   std::optional<Handout> handOut(const std::string& worker, std::size_t workers,
                                  std::size_t most = max_targets_per_job);
   /// Removes a transition that has an outcome, no matter which worker found it.
@@ -73,9 +73,9 @@ class Leases {
   /// Queues a finished transition to be solved again. The transition must not be queued already.
   /// finish() ends the check.
   void addCheck(const ResultKey& key);
-  /// Leases one waiting check that `may` accepts to `worker`, as a job of its own. Returns none if
-  /// `may` accepts no waiting check.
   using May = std::function<bool(const ResultKey&)>;
+  /// Finds a waiting check that `may` accepts, and leases it to `worker` as a job of its own.
+  /// Returns none if `may` accepts no check.
   std::optional<Handout> handOutCheck(const std::string& worker, const May& may);
   const std::set<ResultKey>& waitingChecks() const { return waiting_checks_; }
 
@@ -87,7 +87,7 @@ class Leases {
     bool is_check = false;
   };
   std::optional<Last> lastOf(const std::string& worker) const;
-  /// True if no transition except checks waits or is being solved.
+  /// True if checks are the only transitions that wait or are being solved.
   bool onlyChecksLeft() const { return waiting_count_ == 0 && leased_count_ == leased_checks_; }
   /// Ends the lease that lastOf() describes. The worker must hold one.
   void giveBackLast(const std::string& worker);
@@ -116,8 +116,8 @@ class Leases {
   using Jobs = std::map<std::uint64_t, std::vector<ResultKey>>;
   /// Returns the jobs of a worker.
   const Jobs& jobsOf(const std::string& worker) const;
-  /// Returns the number of targets in the jobs of a worker. Constant time, because it is called for
-  /// every worker again and again.
+  /// Returns the number of targets in the jobs of a worker. Takes constant time, because it is
+  /// called often for every worker.
   std::size_t leasedTo(const std::string& worker) const;
   /// Returns the open transitions of a worker's job, all of one space; empty if there are none.
   std::vector<ResultKey> openOf(const std::string& worker, std::uint64_t job) const;
@@ -137,7 +137,7 @@ class Leases {
   };
   /// The start of a set of waiting transitions. Sets are handed out in the order of these members.
   struct Start {
-    /// negative priority of the space, so that the highest comes first
+    /// minus the priority of the space, so that the highest priority comes first
     std::int32_t below_highest = 0;
     std::int64_t distance = 0;  ///< squared distance of the parent from the origin
     LatticePoint parent = {};

@@ -34,11 +34,11 @@ constexpr double enough_of_finger = 0.99;
 
 /// Largest distance from the ball at which a corner outside it is solved, in edge lengths of the
 /// leaf. Farther corners stay unsolved (ghosts): displacements far beyond the ball may lie behind
-/// folds, and splitting the leaf works as well.
+/// folds, and the leaf can be split instead.
 constexpr double reach_outside = 0.25;
 
-/// Average number of points that the split of a cell adds: seven amid other cells, fewer at the rim
-/// of the ball.
+/// Average number of points that the split of a cell adds: seven if its neighbours are split too,
+/// fewer at the rim of the ball.
 constexpr double points_of_cell = 5;
 
 /// Compares the likely error of one configuration space with the allowed error, leaf by leaf.
@@ -70,7 +70,8 @@ class CellInspection {
       if (is_enough && !endsBesideRest(leaf)) continue;
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
-      // Assume that half of the leaves with untried corners need no split once these are solved.
+      // Assume that half of the leaves with untried corners need no split once these corners are
+      // solved.
       const double halved = halvedIn(leaf, ratio);
       halved_later += untried.empty() ? std::max(0.0, halved - 1) : halved / 2;
       points.insert(untried.begin(), untried.end());
@@ -143,9 +144,9 @@ class CellInspection {
   /// would stay where it is.
   ///
   /// On the coarsest level, inconsistent edges count as jumps. On finer levels, suspect edges do
-  /// too: one split tells whether a suspect edge has a jump. For a finger, both begin one level
-  /// later: along a coarse edge, tissue can stiffen and soften again, which looks like a jump
-  /// because neither end shows it.
+  /// too: one split tells whether a suspect edge has a jump. For a finger, both tests begin one
+  /// level later: tissue can stiffen and soften again between the ends of a coarse edge, which
+  /// looks like a jump.
   bool isAtJump(std::int32_t leaf) const {
     const int level = tree_.leaves()[at(leaf)].level, first = space_.patch.finger ? 1 : 0;
     if (level < first) return false;
@@ -154,20 +155,20 @@ class CellInspection {
     });
   }
 
-  /// True if the leaf of a finger has a failed corner and comes from a split. The finger then has
-  /// no solved positions beyond this leaf: they lie behind a fold, or above the forces that matter.
-  /// Smaller cells would trace the border of that region, at many failing transitions each, and
-  /// stay empty beyond it. One split locates the border. Applies only to fingers: at sharp rims, up
-  /// to half of the ball lies in regions without solved positions.
+  /// True if the leaf of a finger has a failed corner and comes from a split, unless
+  /// endsBesideRest() is true. Beyond such a leaf lies a region without solved positions: behind a
+  /// fold, or above the forces that matter. One split locates the border of this region. Smaller
+  /// cells would trace the border more closely, but each costs many failing transitions. Applies
+  /// only to fingers, because at sharp rims such regions take up to half of the ball.
   bool isAtEnd(std::int32_t leaf) const {
     return space_.patch.finger && tree_.leaves()[at(leaf)].level > 0 && hasFailedCorner(leaf) &&
            !endsBesideRest(leaf);
   }
 
-  /// True if the leaf of a finger has an edge from the rest position to a failed corner, because
-  /// the tissue is stiff relative to the spacing. Nearly everything that a hand feels there lies
-  /// within this leaf, although rest may be its only solved corner. The leaf is then split as often
-  /// as levels allow.
+  /// True if the leaf of a finger has an edge from the rest position to a failed corner. This
+  /// happens if the tissue is stiff relative to the spacing. Nearly everything that a hand feels
+  /// lies within this leaf, although rest may be its only solved corner. The leaf is then split as
+  /// often as levels allow.
   bool endsBesideRest(std::int32_t leaf) const {
     if (!space_.patch.finger) return false;
     const LeafCorners& corners = tree_.corners(leaf);

@@ -162,7 +162,8 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
     throw failure(
         "space {}: transition to point {} from point {} is recorded but was not requested", space_,
         transition.target, transition.parent);
-  // Record failed retries of solved points too, because they say something about the branch.
+  // Record failed retries of solved points too: users see them (`palpate explain`), and
+  // beginBranches() does not repeat them.
   if (!outcome.converged())
     points_.addAttempt({transition.target, transition.parent, outcome.failure()});
   PointRecord found;
@@ -203,8 +204,8 @@ void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, b
   pursuits_[target] = {std::move(parents), 0, every_parent};
 }
 
-/// Marks a point as failed. Its cause is that of the attempt that got furthest (the first such
-/// attempt), because that one says most about the obstacle.
+/// Marks a point as failed. Its cause is that of the attempt that got furthest (the first one, if
+/// there are several), because that attempt says most about the obstacle.
 void SpacePlan::giveUp(std::int32_t target) {
   PALPATE_ASSERT(!isSolved(points_.tag(target)), "a solved point must not be marked as failed");
   const std::vector<FailedAttempt>& tries = points_.attempts(target);
@@ -324,7 +325,7 @@ void SpacePlan::beginCells() {
 
 void SpacePlan::beginProbes() {
   const ActivePatch& patch = problem_->active[space_];
-  first_probe_ = size();  // parentsNear() considers no points from here on
+  first_probe_ = size();  // parentsNear() considers only points before the probes
   if (patch.probe) {
     const std::int32_t target = addPosition(positionOf(*patch.probe, positions_.unit()));
     const bool from_rest = points_.tag(0) == Tag::expandable;

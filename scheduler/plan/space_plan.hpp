@@ -15,7 +15,7 @@ enum class Stage : std::uint8_t {
   lattice,   ///< points of the uniform lattice (Frontier)
   branches,  ///< ends of inconsistent edges, each solved again from the other end
   cells,     ///< points that refinement asked for
-  probes,    ///< held-out positions, which measure the error
+  probes,    ///< positions off the lattice, which measure the error
   complete,
 };
 
@@ -28,8 +28,8 @@ inline constexpr std::int32_t steps_of_retry = 4;
 /// Limit on the number of consecutive rounds of the stage branches.
 inline constexpr int max_branch_rounds = 8;
 
-/// Returns the row of a point that was solved from `parent`. `fields` identifies the point's nodal
-/// fields. `max_force` is workspace.max_force, N.
+/// Returns the dataset row of a point that was solved from `parent`. `fields` identifies the
+/// point's nodal fields. `max_force` is workspace.max_force, N.
 PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const ContentId& fields,
                         double max_force);
 
@@ -46,8 +46,8 @@ PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const Conte
 /// - cells: only in adaptive scenes. nextRefinement asks for points, and each point is tried from
 ///   the nearest expandable points, one after the other, in at most maxAttempts() attempts. Then
 ///   branches and cells follow again, until the accuracy is reached or nothing can improve it.
-/// - probes: probesIn() held-out positions of the ball (probePositions), tried like the points of
-///   cells.
+/// - probes: probesIn() positions of the ball that are not in the lattice (probePositions), tried
+///   like the points of the stage cells.
 ///
 /// A plan with ActivePatch::probe only measures the error at one place of a finger's area. Its
 /// lattice is the origin alone, and its only probe is reached from the origin in steps of about
@@ -66,7 +66,7 @@ class SpacePlan {
   /// recorded.
   std::vector<Transition> takeReady();
   bool isOpen(const Transition& transition) const;
-  /// Returns true if record() took the outcome of this transition.
+  /// Returns true if the outcome of this transition was recorded.
   bool isRecorded(const Transition& transition) const;
   /// Returns the number of steps that a worker divides this open transition into; usually 1.
   std::int32_t stepsOf(const Transition& transition) const;
@@ -76,7 +76,8 @@ class SpacePlan {
 
   Stage stage() const { return stage_; }
   /// Number of stages begun after the stage `lattice`. A stage that is repeated is counted each
-  /// time. A stage begins only when no transition is open: all earlier ones are then recorded.
+  /// time. A stage begins only when no transition is open, so all transitions of earlier stages are
+  /// recorded by then.
   int stagesBegun() const { return stages_begun_; }
   bool complete() const { return stage_ == Stage::complete; }
   /// Number of transitions that are ready and not recorded.
