@@ -127,8 +127,7 @@ class SegmentFile {
     constexpr std::uint64_t window = 1u << 20;
     constexpr std::string_view common_part = Head::whole.substr(0, 3);
     while (offset < bytes_) {
-      // Windows overlap by one byte less than the searched text, so that none is missed between
-      // them.
+      // Windows overlap by one byte less than the searched text, so that no occurrence is missed.
       const std::string bytes = read(offset, window);
       for (std::size_t at = bytes.find(common_part); at != std::string::npos;
            at = bytes.find(common_part, at + 1))
@@ -175,7 +174,7 @@ std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:0
 
 /// Returns the numbers of the segments in a directory, sorted. Accepts only names exactly as
 /// segmentName() writes them. Another spelling would be a second file with the same number, and a
-/// number with more digits would imply that as many segments are missing.
+/// huge number would imply that all segments before it are missing.
 std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
   std::vector<std::uint32_t> numbers;
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
@@ -190,7 +189,7 @@ std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
 
 constexpr const char* no_record = "no record can be read there";
 
-/// True if the gap is shorter than a record's head but begins with the mark of a dropped record
+/// True if the gap is shorter than a record's head and begins with the mark of a dropped record
 /// (markFor).
 bool isMarked(const SegmentFile& file, std::uint64_t from, std::uint64_t to) {
   return to - from < sizeof(Head) &&
@@ -228,7 +227,7 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
     } else {
       if (at > behind_last) stretch(behind_last, at);
       if (head.is(Head::dropped))
-        gap(Kind::dropped, at, next, "a damaged record, dropped earlier");
+        gap(Kind::dropped, at, next, "a record that was dropped earlier");
       else
         visit({number, at, next - at}, header);
       behind_last = next;
@@ -353,7 +352,7 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
     sync();
     // The sync above is needed now, because later syncs reach only the open segment.
     if (end_.segment == most_segments)
-      throw failure("{}: the journal cannot have another segment: use another --state directory",
+      throw failure("{}: is the last segment a journal can have: use another --state directory",
                     segmentPath(end_.segment).string());
     ++end_.segment;
     closed_bytes_ += end_.offset;
@@ -386,7 +385,7 @@ void Journal::sync() {
   }
   const std::string reason = errnoText();
   // Do not try again: the kernel may treat the lost pages as written from now on. The next run
-  // would see them too and rely on them, so they are cut off.
+  // would read them from memory and rely on them, so they are cut off.
   const bool cut_off = ftruncate(file_.get(), static_cast<off_t>(synced_)) == 0;
   throw failure(
       "{}: cannot flush to the disk ({}): workers must deliver the latest results again{}",

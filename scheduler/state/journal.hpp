@@ -52,7 +52,7 @@ struct JournalGap {
   enum class Kind : std::uint8_t {
     damaged,  ///< no record can be read there
     missing,  ///< the whole segment is missing
-    dropped,  ///< was damaged or missing, and is now marked so that no scan finds a record there
+    dropped,  ///< marked as dropped, so that no scan finds a record there
   };
   Kind kind = Kind::damaged;
   JournalPosition where;  ///< has length 0 if it is the whole segment
@@ -80,7 +80,7 @@ class SegmentFile;  // one segment, open for reading
 /// - "PJR3";
 /// - header bytes, u32;
 /// - payload bytes, u32;
-/// - CRC-32 over the record's place, the two lengths and the header, u32;
+/// - CRC-32 over the record's place (segment and offset), the two lengths and the header, u32;
 /// - CRC-32 over the payload, u32;
 /// - header;
 /// - payload.
@@ -91,7 +91,7 @@ class JournalReader {
  public:
   explicit JournalReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  /// Receives a record with an undamaged header, which is valid only during the call.
+  /// Receives the place and undamaged header of a record. `header` is valid only during the call.
   using Visit = std::function<void(const JournalPosition& where, std::string_view header)>;
   /// Finds all records, even between damaged bytes, and passes them to `visit` in the order of
   /// appending. Reads the header of every record. In the last segment, where a crash may leave a
@@ -124,8 +124,8 @@ class Journal : public JournalReader {
   static constexpr std::uint64_t default_segment_bytes = 256ull << 20;
 
   /// Opens the journal for appending at `end` (JournalScan::end). Truncates the segment there,
-  /// which removes at most a partial record. Syncs all segments, so that records and drop marks
-  /// that a killed run left unsynced become durable.
+  /// which removes only what a crash left after the last whole record. Syncs all segments, so that
+  /// records and drop marks that a killed run left unsynced become durable.
   Journal(std::filesystem::path directory, JournalEnd end,
           std::uint64_t segment_bytes = default_segment_bytes);
 
@@ -139,8 +139,8 @@ class Journal : public JournalReader {
   /// Size of all segments up to end().
   std::uint64_t bytes() const { return closed_bytes_ + end_.offset; }
 
-  /// Marks damaged records and unreadable gaps as dropped, so that no later scan finds a record
-  /// there. The marks are durable on return. Syncs each segment once.
+  /// Marks records and unreadable gaps as dropped, so that no later scan finds a record there. The
+  /// marks are durable on return. Syncs each segment once.
   void dropAll(std::vector<JournalPosition> positions);
   void drop(const JournalPosition& position) { dropAll({position}); }
   /// Creates empty files in place of missing segments, which marks those as dropped.
@@ -160,7 +160,7 @@ class Journal : public JournalReader {
   std::uint64_t synced_;                ///< bytes of the open segment that survive a crash
   std::vector<std::uint32_t> present_;  ///< segments found at opening or created since
   FileDescriptor file_;                 ///< the open segment
-  /// Appended bytes that are not in the file yet. One write then covers many records.
+  /// Appended bytes that are not in the file yet, collected so that one write covers many records.
   std::string pending_;
 };
 

@@ -9,9 +9,9 @@
 
 namespace palpate {
 
-/// Excludes some workers from a build: their results are no longer accepted or kept. The reason is
-/// that one of them gave a wrong result (other workers agreed on a different one), or two different
-/// results of one transition.
+/// Exclusion of one or more workers from a build: their results are no longer accepted or kept. The
+/// reason is that one of them gave a wrong result (other workers agreed on a different one), or two
+/// different results of one transition.
 struct KeptOut {
   /// Which workers are excluded.
   enum class Kind : std::uint8_t {

@@ -26,8 +26,8 @@ std::vector<std::string> damageOf(std::vector<JournalGap> gaps) {
   return damage;
 }
 
-/// Limits `expected`, which comes from tables that may be damaged, to the number of records that
-/// the journal has room for.
+/// Limits `expected`, which comes from tables that may be damaged, to the largest number of records
+/// that a journal of this size can hold.
 std::size_t atMostIn(const std::filesystem::path& directory, std::size_t expected) {
   constexpr std::uint64_t smallest_record = 100;
   constexpr std::uint64_t most = 1 << 26;  // 0.5 GB of buckets; a damaged count may have any value
@@ -117,7 +117,7 @@ Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed
   Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
-      // The transition was recorded since takeReady().
+      // Skip a transition that was recorded after takeReady().
       if (!plan.isOpen(transition)) continue;
       const ResultKey key = plan.keyOf(transition);
       const bool known = unclaimed.erase(key) > 0;

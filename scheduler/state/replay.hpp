@@ -76,7 +76,7 @@ class Replay {
   /// Records a result in its plan, or in `unclaimed` if the plan does not wait for it. Call at most
   /// once per key.
   void take(const ResultKey& key, const wire::Result& result, const Outcome& outcome);
-  /// Records unclaimed results that fit after all. Call after the last result.
+  /// Records the unclaimed results that a plan now waits for. Call after the last result.
   void finish(const ReadUnclaimed& read);
 
   std::vector<SpacePlan> plans;  ///< one per active node of the problem
@@ -94,7 +94,7 @@ struct ReplayedJournal {
   std::size_t results = 0;
   std::string kernel_family;  ///< empty if there are none
   double longest_solve = 0;   ///< s
-  /// key and host of each machine that computed one
+  /// key and host of each machine that computed any of them
   std::set<std::pair<std::string, std::string>> machines;
 };
 /// Replays the journal in `directory`, which holds about `expected` results. Leaves out the results
@@ -106,8 +106,8 @@ ReplayedJournal replayJournal(const std::filesystem::path& directory, const Prob
 /// Returns the keys of all attempts that failed with this cause.
 std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause);
 
-/// Throws if there are unclaimed results. Call after the replay of an undamaged journal: they then
-/// come from another version of the program, which had other transitions.
+/// Throws if there are unclaimed results. Call only after the replay of an undamaged journal, where
+/// they come from another version of the program.
 void refuseUnclaimed(const UnclaimedResults& unclaimed);
 
 /// Returns a copy of the rows of each plan, as a dataset stores them.

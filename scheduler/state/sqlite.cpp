@@ -50,7 +50,7 @@ Database::Database(const std::filesystem::path& file, Access access) : file_(fil
     sqlite3_close(handle_);
     throw failure("{}: cannot open: {}", file.string(), reason);
   }
-  // Other readers hold the lock only for moments, while they open the database or checkpoint the
+  // Other processes hold the lock only for moments, while they open the database or checkpoint the
   // log.
   if (sqlite3_busy_timeout(handle_, 5000) != SQLITE_OK) fail("busy timeout");
 }

@@ -10,8 +10,8 @@
 namespace palpate {
 
 /// The folder of one build: segment-NNNNNN.dat, state.db, lock, endpoint and keys. The process that
-/// holds this object is its only scheduler. The lock is on the folder itself; the file `lock` only
-/// names the holder.
+/// holds this object is the only scheduler of the build. The lock is on the folder itself; the file
+/// `lock` only names the holder.
 class StateDirectory {
  public:
   /// Creates the folder if needed, and takes the lock. Folders above it are not created, since that
@@ -32,7 +32,7 @@ class StateDirectory {
   /// Returns the address of the scheduler that holds `directory`; none if there is no such
   /// scheduler, or if it has not announced its address yet.
   static std::optional<Address> liveAddress(const std::filesystem::path& directory);
-  /// Folder of the keys that only a build and its own workers use.
+  /// Folder of the keys that only `palpate build` and its own workers use.
   std::filesystem::path keys() const { return path_ / "keys"; }
   /// Returns the process id of the scheduler that holds the lock of `directory`, or "unknown" if it
   /// cannot be read; none if the lock is free.

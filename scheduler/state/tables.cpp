@@ -130,7 +130,7 @@ void requireWhole(Database& database, const char* pragma) {
 /// Throws DamagedDatabase if
 /// - the pages are inconsistent,
 /// - the tables are Palpate's but name no build, or
-/// - the tables name another build than `wanted` and do not hold its problem.
+/// - their build id is not `wanted` and does not match the problem in the tables.
 void checkPages(Database& database, const ContentId& wanted) {
   requireWhole(database, "PRAGMA quick_check(1)");
   // SQLite considers a database read-only because of a byte in its header. The file itself is

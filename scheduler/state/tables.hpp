@@ -24,9 +24,9 @@ std::optional<Problem> problemOf(const StoredBuild& build);
 
 /// Progress of a build, which its scheduler stores from time to time.
 struct Progress {
-  /// number of results in the journal at that time; it may hold more by now
+  /// number of results in the journal when the progress was stored
   std::size_t recorded = 0;
-  std::string status;  ///< human-readable: a wire::Status as JSON (progressOf)
+  std::string status;  ///< a wire::Status as JSON (progressOf)
 };
 
 /// Counters of a build by name (docs/internals/state.md).
@@ -47,7 +47,7 @@ class StoredTables {
   const StoredBuild& build() const { return build_; }
   /// Reads the whole file. Throws DamagedDatabase if its contents are inconsistent.
   void verify();
-  /// Returns the latest progress; none if a record was dropped from the journal since then.
+  /// Returns the last stored progress; none if a record has been dropped from the journal since.
   std::optional<Progress> progress();
   /// Returns the workers, each with its full id in hexadecimal.
   std::vector<wire::WorkerStatus> servers();
@@ -109,7 +109,7 @@ class Tables : public StoredTables {
   /// Excludes workers in this and all later runs. Synced on return.
   void keepOut(std::span<const KeptOut> liars);
 
-  /// writePaused() and writePriority() are synced on return.
+  /// These two changes are synced on return.
   void writePaused(bool paused);
   void writePriority(const std::string& name, std::int32_t priority);
 

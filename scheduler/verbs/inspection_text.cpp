@@ -35,8 +35,8 @@ std::string journalText(const Inspection& found) {
                                  counted(found.records, "whole record"), sizeText(found.bytes)) +
                      linesOf("damaged", found.damage) + linesOf("foreign", found.foreign);
   if (!found.dropped.empty())
-    text += fmt::format("           note: {}, dropped earlier\n",
-                        counted(found.dropped.size(), "damaged place"));
+    text += fmt::format("           note: {} marked as dropped earlier\n",
+                        counted(found.dropped.size(), "place"));
   if (found.unfinished > 0 && !found.scheduler)
     text += fmt::format(
         "           note: {} after the last record, as after a crash; the next start removes "
