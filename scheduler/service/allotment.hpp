@@ -23,9 +23,9 @@ class Allotment {
   using Time = Worker::Time;
   explicit Allotment(const AllotmentSettings& settings = {}) : settings_(settings) {}
 
-  /// Returns the number of targets that a worker may hold at a time: as many as it has delivered
-  /// (Worker::earned), and at least two. The upper limit is two full jobs; for a worker slower than
-  /// the mean it is reduced in proportion. Returns 0 while an overdue worker gets no work.
+  /// Returns the number of targets that a worker may hold at a time: Worker::earned, but at least
+  /// two. The upper limit is two full jobs; for a worker slower than the mean it is reduced in
+  /// proportion. Returns 0 while an overdue worker gets no work.
   std::size_t limitOf(const Worker& worker, Time now) const;
   /// Call when a worker without targets is given some. The time to its next result is measured from
   /// `now`.

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Reports what happens in a coordinator to users, as log lines and as events (docs/commands.md).
+/// Reports to users what happens in a coordinator, as log lines and as events (docs/commands.md).
 /// Limits the reports that workers cause by joining and leaving (LineBudget). One thread.
 class Chronicle {
  public:
@@ -20,7 +20,7 @@ class Chronicle {
   Chronicle(const Problem& problem, EventLog* log, const Time& clock)
       : problem_(&problem), log_(log), clock_(clock), budget_(clock), lines_(clock) {}
 
-  // Log lines that peers cause and that have no event. They count against the limit.
+  // Log lines that peers cause and that have no event. Their number is limited (mayLog).
   template <class... Args>
   void info(spdlog::format_string_t<Args...> text, Args&&... args) {
     if (mayLog()) spdlog::info(text, std::forward<Args>(args)...);
@@ -61,8 +61,8 @@ class Chronicle {
   /// Returns true if the limit allows another report that a peer caused. If earlier reports were
   /// left out, first reports how many.
   bool mayTell();
-  /// The same for log lines that are not events. They have a budget of their own, so that they
-  /// never displace events.
+  /// The same for log lines without an event. They have a budget of their own, so that they never
+  /// displace events.
   bool mayLog();
   Event of(EventWord word, const ResultKey& key) const;
 

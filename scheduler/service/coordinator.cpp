@@ -39,8 +39,8 @@ void Coordinator::receive(Incoming incoming, Time now) {
   if (worker == nullptr) {
     if (message.body_case() == wire::Message::BODY_NOT_SET)
       return workers_.badMessage(peer, "it cannot be read");
-    // An empty epoch never matches the worker's own, so the worker says hello and then sends its
-    // unacknowledged results again.
+    // An empty epoch never matches the one that the worker knows, so the worker says hello and then
+    // sends its unacknowledged results again.
     state_.send(peer).mutable_heartbeat_reply();
     return;
   }
@@ -69,7 +69,8 @@ bool Coordinator::answer(const Incoming& incoming) {
   return true;
 }
 
-/// Returns true if the peer has not read earlier large answers. The peer will ask again.
+/// Returns true if the peer asks for a large answer but has not read earlier ones, or asks for more
+/// than two in one turn. The peer will ask again.
 bool Coordinator::readsTooSlowly(const Incoming& incoming) {
   constexpr int large_in_a_turn = 2;
   const wire::Message& message = incoming.message;

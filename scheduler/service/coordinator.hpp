@@ -9,7 +9,7 @@ namespace palpate {
 /// (transport.hpp).
 enum class Next : std::uint8_t {
   go_on,
-  stop,      ///< an operator asked for it
+  stop,      ///< Coordinator::stop() was called
   complete,  ///< every space is complete and recorded
   stuck,     ///< Coordinator::stuck()
   /// Some recorded results must be computed again, because an operator wants failures tried again,
@@ -68,8 +68,8 @@ class Coordinator {
   }
   /// Call with the connections that Connections closed because they exceeded its limits.
   void noteClosed(const Connections::Closed& closed, Time now);
-  /// Call when the local process `pid` ended by itself. The target that it was solving may have
-  /// killed it.
+  /// Call when the local worker process `pid` ended by itself. The target that it was solving may
+  /// have killed it.
   void workerProcessEnded(std::uint32_t pid, Time now) {
     state_.now = now;
     workers_.processEnded(pid);
@@ -98,7 +98,7 @@ class Coordinator {
   bool isChecked(const ResultKey& key) const { return seconds_.isChecked(key); }
   /// Number of open checks in which two workers found different results.
   std::size_t disputedCount() const { return seconds_.checks().disputedCount(); }
-  /// Tells all workers to leave: the dataset no longer needs them.
+  /// Tells all workers to leave, because nothing is left for them to solve.
   void dismiss() {
     state_.dismissed = true;
     workers_.drainAll();

@@ -15,8 +15,9 @@ class Handouts {
            std::string problem_bytes);
 
   /// Hands out waiting transitions and checks to the workers that ask and have room. Idle workers
-  /// come first, because the second job of one worker could be the first job of another. Among the
-  /// rest, proven workers come before new ones, and then those with the fewest targets.
+  /// come first, because the second job of one worker could be the first job of another. Among idle
+  /// workers, and among busy ones, proven workers come before new ones, then workers with fewer
+  /// targets.
   void handOut();
   void sendProblem(const Worker& worker);
   /// Sends the nodal fields that a job starts from. If workers have left too many bytes of fields

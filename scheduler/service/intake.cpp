@@ -13,7 +13,7 @@ Intake::Intake(ServiceState& state, Workers& workers, SecondSolves& seconds, Han
   Replay replayed = state_.store.takeReplay();
   state_.plans = std::move(replayed.plans);
   unclaimed_ = std::move(replayed.unclaimed);
-  // If results were lost, the plans ask for the unclaimed results later.
+  // If results were lost, keep the unclaimed results: the plans ask for them later.
   if (!state_.store.damaged() && replayed.settled.outdated.empty()) refuseUnclaimed(unclaimed_);
   PALPATE_ASSERT(state_.plans.size() == state.problem.active.size(),
                  "each active node must have a plan");
@@ -130,8 +130,8 @@ ServiceState::Time Intake::deadline() const {
 }
 
 void Intake::commit() {
-  // Note the checks first: otherwise, if the scheduler is killed between the two, these results are
-  // never checked.
+  // Note the checks before the commit: if the scheduler were killed after a commit without them,
+  // these results would never be checked.
   for (const auto& [key, member] : state_.group.members())
     if (member.is_checked) seconds_.note(key, member.is_disputed);
   // Move plans on only after this, because their next transitions may start from results of the

@@ -14,7 +14,7 @@ constexpr std::chrono::seconds between_samples{1};
 /// Estimates made between these fractions of the time worked are compared. An earlier estimate
 /// knows little of the build; a later one is too recent to show its error.
 constexpr double compared_from = 0.15, compared_to = 0.4;
-/// Estimates are kept at times worked that grow by this factor.
+/// An estimate is kept whenever the time worked has grown by this factor.
 constexpr double between_estimates = 1.02;
 constexpr double largest_factor = 4;
 /// Errors up to this factor are not corrected. Some forecasts turn from right to too large near the

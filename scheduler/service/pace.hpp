@@ -33,16 +33,17 @@ class Hindsight {
   /// worked: seconds in which workers were connected and the build was not paused, up to now.
   /// left: the estimate without correction, s.
   void note(double worked, double left);
-  /// Returns a factor for `left`, 1 to 4: the median error factor of the estimates made between 15
-  /// and 40 % of the time worked, divided by the usual one. An estimate is compared with the time
-  /// worked since then plus `left`.
+  /// Returns a factor for `left`, 1 to 4: the median error of the estimates made between 15 % and
+  /// 40 % of the time worked, divided by the usual error. The error of an estimate is the time
+  /// worked since it was made, plus `left`, divided by the estimate.
   double factor(double worked, double left) const;
 
  private:
   struct Estimate {
     double worked, left;
   };
-  std::deque<Estimate> estimates_;  ///< oldest first; those made before 15 % are dropped
+  /// oldest first; estimates from the first 15 % of the time worked are dropped
+  std::deque<Estimate> estimates_;
 };
 
 }  // namespace palpate

@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// Answers the requests of operators and observers, writes progress to the tables, and carries out
-/// all operator decisions except stop. One thread; the references must outlive it.
+/// all operator decisions except stop. One thread; the references must outlive this object.
 class People {
  public:
   using Time = ServiceState::Time;
@@ -29,8 +29,8 @@ class People {
 
  private:
   const std::string& recentStatus();
-  /// Returns the estimated time left, s, without Hindsight, if a fraction `share` of the expected
-  /// attempts (Forecast::expected) will be made; 0 while the time is unknown.
+  /// Returns the estimated time left, s, without Hindsight, if `share` times as many attempts
+  /// become ready later as expected (Forecast::expected); 0 while the time is unknown.
   double timeLeft(double share, Time now) const;
   void addTimeLeft(wire::Status& status, Time now) const;
   std::int32_t retry();

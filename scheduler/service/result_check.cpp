@@ -31,7 +31,7 @@ bool isPlausible(const Cost& cost) {
 
 std::string objectionToFailure(const Failure& failure, const Mesh& mesh) {
   if (!(failure.step_reached >= 0 && failure.step_reached <= 1))
-    return "a failure whose step is not between 0 and 1";
+    return "a failure whose step_reached is not between 0 and 1";
   if (failure.element < -1 || failure.element >= std::ssize(mesh.tetrahedra))
     return "a failure in an element that does not exist";
   if (failure.negative_pivots < 0 || failure.expected_negative_pivots < 0)
@@ -140,8 +140,9 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
 }
 
 std::string ResultCheck::reproducibleBytes(wire::Result result) {
-  // Lease, giver and duration depend on timing; everything else follows from the scene. Unknown
-  // fields (job and attempt) come from older records and depend on timing too.
+  // Lease, giver and duration depend on timing; steps and start_parent are added by the scheduler.
+  // Everything else follows from the scene. Unknown fields (job and attempt) come from older
+  // records and depend on timing too.
   result.GetReflection()->MutableUnknownFields(&result)->Clear();
   result.clear_lease();
   result.clear_given_by();

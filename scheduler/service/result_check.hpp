@@ -19,7 +19,8 @@ class ResultCheck {
     Outcome outcome;        ///< decoded, without nodal fields; valid if there is no objection
   };
   /// Judges a result, which must have been computed with `kernel_family`. Does not judge whether
-  /// the transition was asked for (the plans know) or from which worker (isLeaseSeal knows).
+  /// the transition was requested at all (the plans know) and from this worker (isLeaseSeal()
+  /// tells).
   ///
   /// An equilibrium must satisfy:
   /// - all numbers are finite;
@@ -54,8 +55,8 @@ class ResultCheck {
 /// Returns how badly the equilibrium `found` fits its `parent`, from which it was solved. `way` is
 /// the tool's displacement from the parent's position to that of `found`, metres.
 ///
-/// Force f and stiffness K are derivatives of the energy E. With w = `way`, 0 for the parent and 1
-/// for `found`, nearby positions therefore satisfy (Hermite quadrature)
+/// Force f and stiffness K are derivatives of the energy E. With w = `way`, index 0 for the parent
+/// and 1 for `found`, nearby positions therefore satisfy (Hermite quadrature)
 ///
 ///   E1 - E0 = -(f0 + f1).w / 2 + w.(K1 - K0) w / 12 + O(w^5),  f1 - f0 = (K0 + K1) w / 2 + O(w^3).
 ///

@@ -120,9 +120,8 @@ bool SecondSolves::compare(Worker& worker, const wire::Result& first, const wire
     state_.tables.forgetCheck(key);
     return true;
   }
-  // Keep the check in the tables. It covers the result that is computed again. Also, if this
-  // process is killed before the wrong workers are excluded, the check lets them be found once
-  // more.
+  // Keep the check in the tables, so that the result that is computed again is checked too. If this
+  // process is killed before the wrong workers are excluded, the check finds them again.
   findLiars(*verdict, fmt::format("its result of {} differs from that of {} other workers",
                                   textOf(key), verdict->right.size()));
   return false;

@@ -69,7 +69,7 @@ class SecondSolves {
   /// Checks to be opened once their result is recorded and there is room. The value is true if the
   /// result is disputed.
   std::map<ResultKey, bool> due_;
-  /// time since when only checks have been left; none if other work is left
+  /// since this time only checks have been left; none if other work is left
   std::optional<Time> only_these_left_;
   bool hopeless_ = false;  ///< only checks have been left for longer than worker_lost
 };

@@ -31,8 +31,8 @@ std::optional<Roles> roleFor(const wire::Message& message) {
 constexpr std::size_t header_bytes = 8192;
 /// Margin above the longest message of an honest peer.
 constexpr std::size_t beyond_messages = 1 << 20;
-/// Number of unread large answers from which a peer counts as slow. Workers ask for the starts of
-/// two jobs at once.
+/// A peer with at least this many unread large answers counts as slow. Workers ask for the starts
+/// of two jobs at once.
 constexpr long most_unread = 2;
 constexpr std::size_t many_peers = 20000;
 

@@ -20,8 +20,8 @@ struct CoordinatorSettings {
   /// Interval of the workers' heartbeats, which cost little. A heartbeat also names the target that
   /// the worker is solving, in case the solve kills the worker.
   std::chrono::milliseconds heartbeat{1000};
-  /// Silence after which a worker's leases are handed out again. If network outages last longer,
-  /// work is done twice.
+  /// Time of silence after which a worker's leases are handed out again. If network outages last
+  /// longer, work is done twice.
   std::chrono::milliseconds worker_lost{60000};
   /// Number of missed heartbeats after which a silent worker is sent a message, because a broken
   /// connection is noticed only when something is sent.
@@ -48,8 +48,7 @@ struct CoordinatorSettings {
   /// it, requests for start configurations are not answered; the workers ask again.
   std::size_t unread_starts = std::size_t{96} << 20;
   SpotCheckSettings spot_checks;
-  /// When only checks are left, they wait this long for a machine that was here before to come
-  /// back.
+  /// When only checks are left, the scheduler waits this long for earlier machines to come back.
   std::chrono::milliseconds checks_wait{15000};
   /// True if keys identify people and machines; false if they were made for this run only.
   bool keys_tell_who = true;
@@ -80,9 +79,9 @@ struct ServiceState {
   Chronicle chronicle = Chronicle(problem, settings.events, now);
 
   bool stopping = false, paused = tables.paused(), complete = false, dismissed = false;
-  std::vector<KeptOut> liars = {};  ///< if not empty, another Build must replace this one
-  /// Turns since an operator's retry dropped recorded failures; none if there was no retry. By the
-  /// second turn, the answer to the operator has been sent.
+  std::vector<KeptOut> liars = {};  ///< workers to exclude; if any, another Build must follow
+  /// Number of turns since an operator's retry dropped recorded failures; none without a retry. By
+  /// the second turn, the answer to the operator has been sent.
   std::optional<int> turns_since_retry = std::nullopt;
 
   bool handsOut() const { return !stopping && !paused && !complete; }

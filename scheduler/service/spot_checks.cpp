@@ -13,7 +13,7 @@ namespace {
 /// Number of results whose oddness is remembered, number that is needed to set the threshold, and
 /// number between two updates of the threshold.
 constexpr std::size_t remembered_looks = 2048, looks_to_judge_by = 32, looks_between = 16;
-/// Threshold until then: three times the largest oddness that was measured (oddnessBeside).
+/// Threshold before the first update: three times the largest measured oddness (oddnessBeside).
 constexpr double odd_at_first = 3;
 
 Apart apartFrom(const wire::Provenance& a, const wire::Provenance& b) {
@@ -68,7 +68,7 @@ Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver) {
 }
 
 SpotChecks::SpotChecks(const SpotCheckSettings& settings, std::string secret)
-    // The secret also serves other purposes. With the prefix, their outputs do not reveal which
+    // The secret has other uses too. Because of the prefix, their outputs do not reveal which
     // results are drawn by lot.
     : settings_(settings), secret_("spot checks" + std::move(secret)), odd_from_(odd_at_first) {}
 
@@ -98,8 +98,8 @@ bool SpotChecks::isSuspect(const Look& look) {
 }
 
 /// Compares an oddness with those of the latest results, because organs differ in how odd their
-/// results are. Half as many results exceed the threshold as may be picked. That leaves room for
-/// the results of a worker that lies.
+/// results are. The threshold is exceeded by share / 8 of the results, half of the share / 4 that
+/// may be picked. This leaves room for the results of a worker that lies.
 bool SpotChecks::isOdd(double oddness) {
   const bool odd = oddness > odd_from_;
   if (oddness_.size() < remembered_looks)

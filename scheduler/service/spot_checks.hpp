@@ -12,14 +12,14 @@
 namespace palpate {
 
 struct SpotCheckSettings {
-  /// Fraction of all results that are solved again, regardless of the worker. Up to a quarter of
+  /// Fraction of all results that are solved again, whichever worker gave them. Up to a quarter of
   /// this fraction goes to failures, and up to a quarter to odd results (oddnessBeside); the rest
-  /// is drawn by lot. If it is 0, there are no checks.
+  /// is drawn by lot. If `share` is 0, no result is picked.
   double share = 0.01;
-  /// Up to this many failures, and this many odd results, are solved again even beyond their
-  /// quarter. A small build has few results, and one of them may be wrong.
+  /// Up to this many failures, and this many odd results, are solved again even if a quarter of
+  /// `share` is less. In a small build it is less than one result.
   std::int64_t suspects_at_least = 8;
-  /// Limit on the number of open checks, because new work goes first.
+  /// Limit on the number of open checks, so that they do not delay new work.
   std::size_t most_open = 64;
   /// Key that is trusted not to give wrong results on purpose: the scheduler's own.
   std::optional<PublicKey> trusted_key = std::nullopt;
@@ -54,7 +54,7 @@ struct Crowd {
 ///
 /// Two or more workers that agree are right, and all others are wrong, if
 /// - the workers that agree have two different keys, or one of them has the trusted key; or
-/// - no other worker has a different key.
+/// - no worker that disagrees has a different key.
 ///
 /// The number of workers on each side does not matter, because the owner of a key can run any
 /// number of them. Until one of the conditions holds, more workers are asked.
@@ -147,8 +147,8 @@ class SpotChecks {
 ///   excluded if no process there was right, or if two of them are excluded already.
 /// - Its key is excluded if two other machines with the key are excluded already and no worker with
 ///   the key was right.
-/// - Its key is excluded in any case the fifth time, because the owner may pretend to have any
-///   number of machines.
+/// - Its key is excluded in any case if four exclusions name the key already, because the owner may
+///   pretend to have any number of machines.
 /// - The trusted key is never excluded.
 ///
 /// `reason` is human-readable.

@@ -10,13 +10,13 @@ void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord&
 /// Returns the counts of all spaces together, under the name "all".
 wire::SpaceStatus sumOf(const wire::Status& status);
 
-/// Returns the points and attempts of a build, as its plans have them.
+/// Returns a status with the counts of points and attempts in the plans of a build.
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans);
 /// Adds the workers (`servers`) and the counters.
 void addServers(wire::Status& status, const std::vector<wire::WorkerStatus>& servers,
                 const Counters& counters);
-/// Returns the status that is stored in the tables (Progress) and shown when no scheduler runs. It
-/// holds points and attempts, `build`, `kernel_family`, and "complete" or "stopped" as `state`.
+/// Returns the status that is stored in the tables (Progress) and shown when no scheduler runs:
+/// that of statusOf() with `build`, `kernel_family`, and "complete" or "stopped" as `state`.
 wire::Status progressOf(const Problem& problem, const ContentId& build,
                         const std::vector<SpacePlan>& plans, const std::string& kernel_family,
                         bool complete);

@@ -28,18 +28,18 @@ struct Worker {
   std::optional<ResultKey> solving;
   /// Time when it was last sent a message because of its silence.
   std::optional<Time> probed;
-  /// Time since when its heartbeats have reported no solve although it holds leases.
+  /// Since this time it holds leases, but its heartbeats report no solve; none if they report one.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< number of its results recorded in this run
-  /// Number of results since it joined, or since its last lease went to another worker. The worker
-  /// may hold as many targets (Allotment::limitOf).
+  /// Number of results that it delivered since it joined, or since it was last overdue. Determines
+  /// how many targets it may hold (Allotment::limitOf).
   std::uint32_t earned = 0;
-  /// Recent mean time between its results, s; 0 before the first.
+  /// Recent mean time between its results, s; 0 before its first result.
   double between_results = 0;
   /// Time when it last delivered a result, or was given work after it had none.
   Time moved{};
-  /// Set when a lease of this worker goes to another worker because it is overdue. Until this time
-  /// it gets no work, unless it delivers a result before.
+  /// Until this time it gets no work, unless it delivers a result before. Set when one of its
+  /// leases goes to another worker because it is overdue.
   std::optional<Time> overdue_until;
 };
 

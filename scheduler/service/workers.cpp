@@ -25,7 +25,7 @@ Workers::Workers(ServiceState& state)
     : registry(state.store.kernelFamily().empty() ? state.settings.kernel_family
                                                   : state.store.kernelFamily(),
                state.store.keptOut()),
-      // The upper half of a job number is the run, so no two runs use the same numbers.
+      // The upper half of a job number identifies the run, so no two runs use the same numbers.
       leases(static_cast<std::uint64_t>(++state.counters["runs"]) << 32),
       allotment(state.settings.allotment),
       state_(state),
