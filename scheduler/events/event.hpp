@@ -70,7 +70,7 @@ class Event {
   Event& addJson(std::string_view field, std::string_view json);
 
   std::string_view word_;
-  std::string fields_;  ///< JSON, each with a comma before it
+  std::string fields_;  ///< the fields as JSON, each with a comma before it
 };
 
 }  // namespace palpate

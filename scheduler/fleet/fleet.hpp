@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Options of a fleet, for every engine.
+/// Options of a fleet, for every engine (Slurm or ssh).
 struct FleetOptions {
   Asked asked;
   std::string endpoint;  ///< address at which nodes reach the scheduler
@@ -52,7 +52,7 @@ struct FleetView {
 struct FleetLimits {
   int most = 64;             ///< workers, including queued ones
   int most_queued = 16;      ///< limit on queued workers: a longer queue gains nothing
-  int transitions_each = 2;  ///< ready transitions that justify one more worker
+  int transitions_each = 2;  ///< number of ready transitions per requested worker
 };
 
 /// Returns the number of workers to request, or, if too few transitions are ready, minus the number

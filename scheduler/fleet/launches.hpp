@@ -35,8 +35,8 @@ class Backoff {
 /// A job that fails within seconds of its start would be replaced for ever: its program or a
 /// library may be missing, its CPU too old, or its key not allowed. After several early failures in
 /// a row, one job at a time is tried, with growing pauses, until one survives. (HyperQueue pauses a
-/// queue in this case.) A node that fails jobs while other nodes work would be idle soonest and
-/// attract every job, so it is excluded.
+/// queue in this case.) A node whose jobs fail while other nodes work would always be idle and get
+/// every new job, so it is excluded.
 ///
 /// Independent of the engine; time comes from the caller. One thread.
 class Launches {

@@ -14,8 +14,8 @@ struct SlurmOptions {
   std::string name;  ///< name of the jobs, made from the build id so that they are found again
   std::vector<std::string> command;  ///< command of one worker on a node
   std::string endpoint;              ///< address of its scheduler
-  /// Time limit of each job. Slurm is asked to send SIGTERM one minute before the limit, or, if the
-  /// limit is shorter than four minutes, when a quarter of it is left. It may be a minute early.
+  /// Time limit of each job. SIGTERM comes one minute before the limit, or, if the limit is shorter
+  /// than four minutes, when a quarter of it is left. Slurm may send it a minute early.
   int minutes = 60;
   std::string constraint;         ///< required features of nodes; may be empty
   std::string log = "/dev/null";  ///< file name, in the syntax of sbatch --output

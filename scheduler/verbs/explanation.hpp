@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The spaces of a scene, in its order, with the points computed so far.
+/// The spaces of a scene, in the order of the scene, with the points computed so far.
 struct KnownSpaces {
   Scene scene;
   std::vector<SpaceTable> spaces;
@@ -25,10 +25,10 @@ struct KnownSpaces {
 /// and memory of a scheduler's start.
 KnownSpaces spacesIn(const std::string& where);
 
-/// Explains how the lattice point at `in_spacings` (lattice coordinates) was reached: by which
-/// chain of parents from the origin. For a failed point, lists every failed attempt. `text` holds
-/// the explanation as text for users. Throws Error (bad input), with the bounds, if the point is
-/// not in the lattice.
+/// Explains by which chain of parents from the origin a lattice point was reached. `in_spacings`
+/// gives its lattice coordinates in spacings. For a failed point, lists every failed attempt.
+/// `text` holds the explanation as text for users. Throws Error (bad input), with the bounds, if
+/// the point is not in the lattice.
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings);
 
 }  // namespace palpate

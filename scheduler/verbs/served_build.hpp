@@ -24,7 +24,7 @@ struct BuildOrder {
   void addTo(CLI::App& app);
 };
 
-/// The workers of a build, from the time its server listens until it stops.
+/// The workers of a build, from the time when its server listens until the server stops.
 class Crew {
  public:
   virtual ~Crew() = default;

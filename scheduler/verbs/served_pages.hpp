@@ -14,8 +14,8 @@ namespace palpate {
 
 /// Addresses of the pages that `serve` offers over HTTP; none by default.
 struct PageOptions {
-  std::string metrics;    ///< an HttpAddress; empty: no page of metrics
-  std::string dashboard;  ///< port on 127.0.0.1; the system chooses for "0"; may be empty
+  std::string metrics;    ///< an HttpAddress; if empty, there is no page of metrics
+  std::string dashboard;  ///< port on 127.0.0.1, "0" for any; if empty, no dashboard
 
   /// Declares --metrics and --dashboard.
   void addTo(CLI::App& app);

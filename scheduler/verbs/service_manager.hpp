@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// Reports to the service manager that started this process: systemd, or another that follows
-/// sd_notify(3) (a datagram to the socket named by $NOTIFY_SOCKET). Does nothing without one. If a
-/// message cannot be sent, warns once (log) and sends no more. One thread.
+/// Reports the state of this process to the service manager that started it: systemd, or another
+/// that follows sd_notify(3) (a datagram to the socket named by $NOTIFY_SOCKET). Does nothing
+/// without one. If a message cannot be sent, warns once (log) and sends no more. One thread.
 class ServiceManager {
  public:
   using Clock = std::chrono::steady_clock;

@@ -42,10 +42,10 @@ std::thread quietThread(std::function<void()> run) {
   return thread;
 }
 
-/// Thread pool with a bounded queue. If as many connections wait as are being answered, enqueue()
-/// blocks, so that the listener accepts no more. The pool never drops an accepted connection,
-/// because nobody would close it. The listener creates the pool, so the pool's threads inherit the
-/// listener's signal mask and niceness.
+/// Thread pool with a bounded queue. If 2 * HttpServer::threads connections wait or are being
+/// answered, enqueue() blocks, so that the listener accepts no more. The pool never drops an
+/// accepted connection, because nobody would close it. The listener creates the pool, so the pool's
+/// threads inherit the listener's signal mask and niceness.
 class BoundedPool : public httplib::TaskQueue {
  public:
   /// The result of enqueue(): void, or in newer versions of cpp-httplib bool (true: accepted).
