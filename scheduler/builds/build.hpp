@@ -16,8 +16,8 @@ class Build {
  public:
   /// Opens or creates the state of this problem in `state` and resumes where the last run ended.
   /// `now` must come from the same clock as the times of later calls to the coordinator. Throws
-  /// Error (bad input) if the recorded results were computed with kernels other than `settings`
-  /// asks for.
+  /// Error (bad input) if the recorded results were computed with other kernels than
+  /// settings.kernel_family.
   Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
         const CoordinatorSettings& settings = {},
         std::uint64_t segment_bytes = Journal::default_segment_bytes);
@@ -51,8 +51,8 @@ class Build {
 };
 
 /// Returns true if `file` already is the complete dataset of this build. Returns false if the file
-/// does not exist, or if it is a dataset of this build that is partial or has another Storage.
-/// Otherwise throws Error (bad input), or with `replace` returns false.
+/// does not exist, or if it is a dataset of this build that is partial or has another Storage. In
+/// all other cases, returns false if `replace` is set, and throws Error (bad input) if not.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool replace);
 
 /// Writes the dataset of these plans and returns its rows. `find` returns the recorded results.
@@ -63,8 +63,7 @@ SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& proble
                         const RecordSource& find, bool partial);
 
 /// Returns partly_failed if the solve of some point failed, else done. Ignores probes, and failed
-/// points with the cause `beyond_force` or `unreachable` (beyond max_force, or behind points that
-/// failed).
+/// points with the cause `beyond_force` or `unreachable` (docs/failures.md).
 ExitCode exitCodeOf(const SpaceRowsList& spaces);
 
 }  // namespace palpate

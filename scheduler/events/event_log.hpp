@@ -15,7 +15,7 @@ std::filesystem::path eventFile(const std::filesystem::path& directory, std::uin
 /// Returns the numbers of the existing event files, in order.
 std::vector<std::uint32_t> eventFiles(const std::filesystem::path& directory);
 
-/// Appends events to the files of a state directory. Its owner holds the lock of the directory
+/// Appends events to the files of a state directory. The caller holds the lock of the directory
 /// before the first write.
 ///
 /// Events inform users and programs; no decision depends on them, so nothing here throws or blocks:

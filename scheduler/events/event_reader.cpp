@@ -20,8 +20,8 @@ bool isWanted(std::string_view line, const WantedEvents& wanted) {
          nlohmann::json::accept(line);
 }
 
-/// Passes the wanted lines of a file from `offset` on to `take`. Returns the offset after the last
-/// line feed. A file that was removed meanwhile counts as empty.
+/// Calls `take` for each wanted line that begins at or after `offset` in a file. Returns the offset
+/// after the last line feed. A file that was removed meanwhile counts as empty.
 std::uint64_t readLines(const std::filesystem::path& path, std::uint64_t offset,
                         const WantedEvents& wanted,
                         const std::function<void(std::string_view line)>& take) {

@@ -43,14 +43,14 @@ class FleetWatch {
 
 /// The input of moreWorkers().
 struct FleetView {
-  std::int64_t ready = 0;  ///< transitions that could be solved now
-  int queued = 0;          ///< workers requested from the engine and not started
-  int running = 0;         ///< workers that the engine runs
+  std::int64_t ready = 0;  ///< number of transitions that could be solved now
+  int queued = 0;          ///< number of workers requested from the engine and not started
+  int running = 0;         ///< number of workers that the engine runs
   bool hands_out = true;   ///< the scheduler is neither paused nor ending
 };
 
 struct FleetLimits {
-  int most = 64;             ///< workers, including queued ones
+  int most = 64;             ///< limit on all workers, including queued ones
   int most_queued = 16;      ///< limit on queued workers: a longer queue gains nothing
   int transitions_each = 2;  ///< number of ready transitions per requested worker
 };

@@ -30,7 +30,7 @@ class Backoff {
   Time until_;
 };
 
-/// Decides, from the outcome of earlier jobs, how many more to request and on which nodes.
+/// Decides, from the outcome of earlier jobs, how many more jobs to request and on which nodes.
 ///
 /// A job that fails within seconds of its start would be replaced for ever: its program or a
 /// library may be missing, its CPU too old, or its key not allowed. After several early failures in
@@ -38,7 +38,7 @@ class Backoff {
 /// queue in this case.) A node whose jobs fail while other nodes work would always be idle and get
 /// every new job, so it is excluded.
 ///
-/// Independent of the engine; time comes from the caller. One thread.
+/// Knows neither the engine nor the time: the caller passes jobs and time. One thread.
 class Launches {
  public:
   using Time = Backoff::Time;
@@ -52,7 +52,7 @@ class Launches {
     std::chrono::seconds age{};
   };
   struct Ended {
-    /// `from_outside`: ended by Slurm or a user, such as a cancelled or preempted job
+    /// `from_outside`: the job was ended by Slurm or a user (preempted, cancelled)
     enum class How : std::uint8_t { well, failed, from_outside };
     std::string id, node;
     How how{};
@@ -60,9 +60,9 @@ class Launches {
     std::chrono::seconds age{};  ///< age at its end
     std::string when;  ///< end time on the engine's clock; compared only with other such times
   };
-  /// What a call of see() changed.
+  /// The changes that a call of see() made.
   struct Change {
-    bool held = false;  ///< true if new early failures put requests on hold for pause()
+    bool held = false;  ///< new early failures put requests on hold for the time pause()
     std::vector<std::string> left_out;  ///< nodes that are now excluded
   };
 

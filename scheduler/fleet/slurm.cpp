@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-/// Number of ids per call of scancel. Limits the command line and the load of slurmctld.
+/// Number of ids per call of scancel, to limit its command line and the load of slurmctld.
 constexpr std::size_t cancelled_at_once = 500;
 /// Prefix of the endpoint in the comment of a job.
 constexpr std::string_view comment_prefix = "palpate at ";
@@ -164,7 +164,7 @@ std::string Slurm::script(int workers, const std::set<std::string>& but_on) cons
   option(fmt::format("--array=1-{}", workers));
   option("--ntasks=1 --cpus-per-task=1");
   option(fmt::format("--time={}", options_.minutes));
-  // B: sends the signal to the batch shell, whose place the worker has taken by exec.
+  // B: sends the signal to the batch shell, which `exec` has replaced with the worker.
   option(fmt::format("--signal=B:TERM@{}", secondsToLeave(options_.minutes)));
   option("--requeue --open-mode=append");
   option("--output=" + options_.log);

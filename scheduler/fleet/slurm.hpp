@@ -51,7 +51,7 @@ class Slurm {
   /// Submits workers of one core each, but not on the nodes in `but_on`. Uses the longest arrays
   /// that Slurm accepts.
   void submit(int workers, const std::set<std::string>& but_on = {});
-  /// Cancels these array elements. Running elements get SIGTERM and their time to finish.
+  /// Cancels these array elements. Running elements get SIGTERM and time to finish.
   void cancel(const std::vector<std::string>& ids) const;
   /// Cancels all jobs of this name.
   void cancelAll() const;

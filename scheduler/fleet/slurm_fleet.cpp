@@ -113,7 +113,7 @@ bool SlurmFleet::endsIt(const Error& error) const {
   return error.exitCode() == ExitCode::usage && !taken_;
 }
 
-/// Submits jobs. After a refusal, waits longer each time.
+/// Submits jobs. Waits longer after each further refusal.
 void SlurmFleet::submit(int more) try {
   engine_.submit(more, launches_.badNodes());
   taken_ = true;

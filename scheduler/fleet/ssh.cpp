@@ -29,7 +29,7 @@ HostWords parsed(const std::string& host) {
       throw badInput("{}: give a number of workers, at least 1, after the colon", host);
     words = {host.substr(0, colon), number};
   }
-  // Refuse a name that begins with a dash, because ssh would take it as an option.
+  // Refuse a name that begins with a dash, because ssh would read it as an option.
   if (words.name.empty() || words.name.front() == '-')
     throw badInput("\"{}\" is not a machine: give HOST, USER@HOST or HOST:WORKERS", host);
   return words;

@@ -8,8 +8,8 @@ namespace palpate {
 
 /// Estimated number of attempts still to be made, at points and probes.
 struct Forecast {
-  double ready = 0;     ///< open transitions, which wait or are being solved; exact
-  double expected = 0;  ///< attempts that will become ready later; estimated
+  double ready = 0;     ///< number of transitions that wait or are being solved
+  double expected = 0;  ///< estimated number of attempts that become ready later
 };
 
 inline constexpr std::int64_t most_forecast = 50000;

@@ -53,7 +53,7 @@ constexpr int maxAttempts(const ActivePatch& patch) {
 /// - The frontier is complete when a round has nothing to try. Points that are still unreached have
 ///   then failed.
 ///
-/// The caller owns the lattice, tags and attempts and passes them to each call. Copyable value, one
+/// The caller owns the lattice, tags and attempts and passes them to each call. Copyable. One
 /// thread at a time.
 class Frontier {
  public:

@@ -31,7 +31,7 @@ template <class Visit>
 void forEachUniformNear(const Lattice& lattice, const LatticePoint& position, const Visit& visit) {
   const std::int32_t spacing = lattice.divisions();
   constexpr auto reach = static_cast<std::int32_t>(farthest_parent);
-  LatticePoint first;  // rounded to whole spacings
+  LatticePoint first;  // lowest corner of the cube, a multiple of the spacing
   for (std::size_t axis = 0; axis < 3; ++axis)
     first[axis] = (position[axis] / spacing - reach - 1) * spacing;
   constexpr std::int32_t side = 2 * reach + 3;

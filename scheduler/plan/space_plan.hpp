@@ -106,7 +106,7 @@ class SpacePlan {
   struct Pursuit {
     std::vector<std::int32_t> parents;
     std::size_t tried = 0;
-    bool every_parent = false;  ///< tries all parents; otherwise stops at the first success
+    bool every_parent = false;  ///< true: tries all parents; false: stops at a success
   };
 
   void recordInPursuit(const Transition& transition, bool converged, PointRecord found);

@@ -7,11 +7,11 @@ namespace palpate {
 struct AllotmentSettings {
   /// A worker is overdue if it has delivered nothing for overdue_factor times the mean time between
   /// two results of a worker, and for at least overdue_at_least. Before the first result of any
-  /// worker, the limit is overdue_without_any. Targets of an overdue worker are given to workers
-  /// without work.
+  /// worker, the limit is overdue_without_any. The last target of an overdue worker goes to a
+  /// worker without work.
   double overdue_factor = 8;
   std::chrono::seconds overdue_at_least{2}, overdue_without_any{30};
-  /// For this time an overdue worker gets no new work, unless it delivers a result.
+  /// Time for which an overdue worker gets no new work, unless it delivers a result.
   std::chrono::seconds overdue_pause{30};
 };
 
@@ -41,7 +41,7 @@ class Allotment {
 
  private:
   AllotmentSettings settings_;
-  double between_results_ = 0;  ///< recent mean over all workers, s; 0 before the first result
+  double between_results_ = 0;  ///< recent mean time between results of a worker, s; 0 at first
 };
 
 }  // namespace palpate

@@ -45,7 +45,7 @@ class Chronicle {
   void wentOn(std::uint32_t space, const SpacePlan& plan);
   void failed(const ResultKey& key, const Failure& failure, const wire::Provenance& giver);
   void setAside(const ResultKey& key, int deaths);
-  /// `cause` is that of the failures that are tried again; empty for set-aside transitions.
+  /// `cause` is the cause of the failures that are tried again; empty for set-aside transitions.
   void retried(std::int64_t transitions, const std::string& cause = "");
   void prioritized(const std::string& space, std::int32_t priority);
   void paused(bool paused);

@@ -85,7 +85,7 @@ class Coordinator {
   /// True if every space is complete and recorded.
   bool complete() const { return state_.complete; }
   /// True if only transitions are left that cannot proceed: transitions that are set aside because
-  /// workers died on them, and disputed ones that no other worker is there to solve.
+  /// workers died on them, and disputed transitions for which there is no further worker.
   bool stuck() const {
     return !state_.complete && state_.group.size() == 0 && workers_.leases.stuck() &&
            seconds_.stuck();
@@ -105,8 +105,8 @@ class Coordinator {
   }
   /// Number of workers that said hello and neither left nor were lost.
   std::size_t workers() const { return workers_.registry.all().size(); }
-  /// True if no worker has sent anything for three heartbeat intervals. If the workers were told to
-  /// leave before, all of them are then gone.
+  /// True if no worker has sent anything for three heartbeat intervals. Once workers were told to
+  /// leave, this means that all are gone.
   bool deserted(Time now) const { return workers_.deserted(now); }
   /// Number of results from earlier runs.
   std::size_t found() const { return intake_.found(); }
@@ -131,7 +131,7 @@ class Coordinator {
   Handouts handouts_;
   Intake intake_;
   People people_;
-  /// number of large answers asked for since takeOutbox(), by peer
+  /// number of large answers that each peer asked for since takeOutbox()
   std::map<std::string, int> large_answers_;
   Time last_turn_;
 };

@@ -80,7 +80,7 @@ void Handouts::sendJob(const Worker& worker, const Handout& handout) {
   const SpacePlan& plan = state_.plans[first.space];
   const SpotChecks& checks = seconds_.checks();
   wire::Job& job = *state_.send(worker.peer).mutable_job();
-  job.set_id(handout.job);  // named in heartbeats
+  job.set_id(handout.job);  // heartbeats name this id
   job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
   job.set_space(first.space);
   *job.mutable_start() = toWire(first.parent);

@@ -134,8 +134,8 @@ void Intake::commit() {
   // these results would never be checked.
   for (const auto& [key, member] : state_.group.members())
     if (member.is_checked) seconds_.note(key, member.is_disputed);
-  // Move plans on only after this, because their next transitions may start from results of the
-  // group.
+  // Move plans on only after the commit, because their next transitions may start from results of
+  // the group.
   const ResultGroup::Members durable = state_.group.commit();
   for (const auto& [key, member] : durable) {
     const Outcome& outcome = member.outcome;

@@ -23,7 +23,7 @@ class LineBudget {
   std::optional<std::int64_t> spend(Time now);
 
  private:
-  Time filled_;  ///< time up to which lines have been credited
+  Time filled_;  ///< lines_ includes the lines allowed up to this time
   std::int64_t lines_ = burst;
   std::int64_t left_out_ = 0;
 };

@@ -43,9 +43,9 @@ class SecondSolves {
   const SpotChecks& checks() const { return checks_; }
   bool isChecked(const ResultKey& key) const { return checks_.isOpen(key) || due_.contains(key); }
 
-  /// Call in every turn. Measures how long only checks have been left. After checks_wait, overdue
-  /// checks go to other workers. After worker_lost, no worker is expected to come for the waiting
-  /// checks.
+  /// Call in every turn. Measures how long only checks have been left. Once this time exceeds
+  /// checks_wait, overdue checks go to other workers. Once it exceeds worker_lost, no worker is
+  /// expected to come for the waiting checks.
   void watch();
   /// Gives up the checks that no worker can do. Returns true if any was given up.
   bool giveUp();

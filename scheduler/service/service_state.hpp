@@ -45,7 +45,7 @@ struct CoordinatorSettings {
   std::chrono::milliseconds group_age{20}, group_age_all_read{5};
   std::size_t group_results = 256, group_bytes = std::size_t{16} << 20;
   /// Limit on the bytes of start configurations that were sent to workers but not read yet. Beyond
-  /// it, requests for start configurations are not answered; the workers ask again.
+  /// this limit, requests for start configurations are not answered; the workers ask again.
   std::size_t unread_starts = std::size_t{96} << 20;
   SpotCheckSettings spot_checks;
   /// When only checks are left, the scheduler waits this long for earlier machines to come back.

@@ -78,8 +78,8 @@ bool SpotChecks::pick(const ResultKey& key, const Look& look) {
   if (isSuspect(look)) return true;
   const auto results = static_cast<double>(results_);
   const auto suspects = static_cast<double>(failed_picked_ + odd_picked_);
-  // The lot gets the part of the share that failures and odd results leave, and at least half of
-  // the share.
+  // Failures and odd results use up part of the share. The rest is drawn by lot, but at least half
+  // of the share.
   const double left = (settings_.share * results - suspects) / (results - suspects);
   return lotOf(key, secret_) < std::max(settings_.share / 2, left);
 }

@@ -144,7 +144,7 @@ class SpotChecks {
 /// was wrong, these rules apply:
 ///
 /// - Only its process is excluded if another process on its machine was right. Its whole machine is
-///   excluded if no process there was right, or if two of them are excluded already.
+///   excluded if no process there was right, or if two processes there are excluded already.
 /// - Its key is excluded if two other machines with the key are excluded already and no worker with
 ///   the key was right.
 /// - Its key is excluded in any case if four exclusions name the key already, because the owner may

@@ -110,7 +110,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
   const Worker* before = ofPeer(peer);
   PALPATE_ASSERT(before == nullptr || before->id == hello.worker(),
                  "a connection must have only one worker");
-  // A worker that reconnects comes from another peer; its old peer is then unknown.
+  // A worker that reconnects has a new peer name; its old one is forgotten.
   Worker& worker = workers_[hello.worker()];
   id_of_peer_.erase(worker.peer);
   Worker fresh;

@@ -18,7 +18,7 @@ struct Worker {
   std::string peer;              ///< address for messages to it
   wire::Provenance provenance;   ///< as recorded in its results
   std::optional<PublicKey> key;  ///< key with which it said Hello
-  std::string host;              ///< made printable for users, like kernel_family
+  std::string host;              ///< made printable for users
   std::uint32_t pid = 0;
   std::string kernel_family;
   /// number of jobs that it can accept now; only WorkerRegistry::addCredit() raises it
@@ -81,11 +81,11 @@ class WorkerRegistry {
   /// Removes a worker. `state` is "left" or "lost", for the tables.
   void remove(const Worker& worker, const char* state, Time now);
 
-  /// Returns null if there is none.
+  /// Returns the worker of this peer, or null.
   Worker* ofPeer(const std::string& peer);
   /// Returns the first worker with this process number on any host; null if there is none.
   Worker* ofProcess(std::uint32_t pid);
-  /// Returns null if there is none.
+  /// Returns the worker with this id, or null.
   Worker* find(const std::string& id);
   /// Raises the number of jobs that a worker can take, up to most_credit. The limit prevents a
   /// worker from hoarding jobs.

@@ -37,8 +37,8 @@ class Workers {
   Time nextSweep() const { return std::max(silence_due_, look_round_at_); }
   /// Hands out the last target of a worker again, because the worker delivers nothing.
   void reassignLast(Worker& worker);
-  /// Call when the scheduler itself did nothing for this long. The silence of workers in that time
-  /// then does not count.
+  /// Call when the scheduler itself did nothing for the time `gap`. The silence of workers in that
+  /// time does not count.
   void forgiveGap(std::chrono::nanoseconds gap);
 
   /// Removes a worker that left without a message. Blames no transition yet: that is done if the

@@ -131,7 +131,7 @@ class Inspector {
     if (recorded_.emplace(key, where).second) in_order_.push_back(key);
   }
 
-  /// Checks the solved fields of a result, because later transitions start from them. Returns what
+  /// Checks the nodal fields of a result, because later transitions start from them. Returns what
   /// is wrong with them, or an empty string.
   std::string objectionToFields(const wire::Result& result, const std::string& payload) const {
     if (payload.size() != result.payload_bytes())

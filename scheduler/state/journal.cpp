@@ -46,7 +46,7 @@ std::uint32_t crcOf(std::span<const std::uint32_t> numbers, uLong before = 0) {
   return crcOf({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()}, before);
 }
 
-/// `place` is placeCrcOf().
+/// `place` is the result of placeCrcOf().
 std::uint32_t headerCrcOf(const Head& head, std::string_view header, std::uint32_t place) {
   const std::array<std::uint32_t, 2> lengths = {head.header_bytes, head.payload_bytes};
   return crcOf(header, crcOf(lengths, place));

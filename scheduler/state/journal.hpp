@@ -59,7 +59,7 @@ struct JournalGap {
   std::string text;       ///< message with the name of the file
 };
 
-/// What a scan finds in a journal apart from the records.
+/// The findings of a scan, apart from the records.
 struct JournalScan {
   /// Gaps between the records. The bytes after the last record are not a gap, because a crash may
   /// leave some there.

@@ -104,7 +104,7 @@ class Statement {
   sqlite3_stmt* handle_ = nullptr;
 };
 
-/// Runs `work` between BEGIN IMMEDIATE and COMMIT. Rolls back if one of them throws.
+/// Runs `work` between BEGIN IMMEDIATE and COMMIT. Rolls back if `work` or the commit throws.
 void inTransaction(Database& database, const std::function<void()>& work);
 
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "scheduler/builds/recorded_build.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// Orders to a scheduler, or to a state directory for the next one: `palpate stop`, `pause`,
+// Orders to a scheduler, or to the next scheduler of a state directory: `palpate stop`, `pause`,
 // `resume`, `priority` and `retry`.
 
 namespace palpate {

@@ -42,7 +42,7 @@ class ServedPages {
   std::filesystem::path state_;
   StatusBoard board_;
   std::mutex reading_;             ///< lets one request at a time read the state directory
-  std::list<HttpServer> servers_;  ///< the last member, because its threads use the others
+  std::list<HttpServer> servers_;  ///< destroyed first: its threads use the other members
 };
 
 }  // namespace palpate

@@ -18,8 +18,8 @@ class ServiceManager {
   ServiceManager();
 
   bool isThere() const { return !socket_.empty(); }
-  /// Announces that the start or the current operation, `what`, may take up to `longest` without
-  /// another message.
+  /// Announces that `what`, the start or another operation, may take up to `longest` without a
+  /// further message.
   void mayTake(std::chrono::seconds longest, const std::string& what);
   /// Reports that the service is ready, and ends mayTake(). Call it even if there is nothing to
   /// serve.

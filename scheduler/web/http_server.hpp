@@ -12,7 +12,7 @@ namespace palpate {
 /// Address to listen on.
 struct HttpAddress {
   std::string host = "127.0.0.1";  ///< a name or an IP address; IPv6 without brackets
-  int port = 0;                    ///< the system chooses the port for 0
+  int port = 0;                    ///< 0 lets the system choose a port
 
   /// Parses "PORT", "HOST:PORT" or "[IPV6]:PORT". Throws Error (bad input), naming `option`, if the
   /// text is none of these.
