@@ -190,7 +190,7 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.chronicle.warn("worker {} on {} holds solves but reports none; other workers get them",
+    state_.chronicle.warn("worker {} on {} was given solves but reports none; others get them",
                           worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();

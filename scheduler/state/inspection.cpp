@@ -254,7 +254,7 @@ std::vector<std::string> repair(const StateDirectory& held, const Inspection& fo
   if (found.tables != TableState::whole) done.push_back(fmt::format("{} created", tables.string()));
   if (found.lost_results > 0)
     done.push_back(
-        fmt::format("no longer counting {}", counted(found.lost_results, "lost result")));
+        fmt::format("the tables no longer count {}", counted(found.lost_results, "lost result")));
   return done;
 }
 

@@ -8,8 +8,6 @@
 #include "scheduler/state/state_directory.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate events`: lists the past events of a state directory, and follows new ones.
-
 namespace palpate {
 namespace {
 

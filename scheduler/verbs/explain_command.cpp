@@ -4,8 +4,6 @@
 #include "scheduler/verbs/explanation.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate explain`: shows how a lattice point was reached, or why not.
-
 namespace palpate {
 namespace {
 

@@ -72,7 +72,7 @@ std::string costText(const Inspection& found) {
     text += fmt::format(
         "           {} not needed{}\n", counted(found.spare, "result"),
         found.damage.empty() && found.dropped.empty()
-            ? ", although nothing is lost: another version of palpate began this build; use that"
+            ? ", although nothing is lost: use the version of palpate that began this build"
             : " until the lost results are computed again");
   return text;
 }

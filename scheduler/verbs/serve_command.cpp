@@ -9,8 +9,6 @@
 #include "scheduler/verbs/status_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate serve`: runs a scheduler for workers that connect from anywhere.
-
 namespace palpate {
 namespace {
 

@@ -9,8 +9,6 @@
 #include "scheduler/verbs/status_text.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
-// `palpate status`: shows the progress of a build.
-
 namespace palpate {
 namespace {
 

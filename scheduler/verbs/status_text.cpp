@@ -43,7 +43,6 @@ std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   });
   std::ranges::stable_sort(spaces, {},
                            [&](const auto& s) { return std::pair(done(s), -s.failed()); });
-  // The most informative spaces come first.
   if (spaces.size() > most) spaces.resize(most);
   spaces.push_back(sum);
   return spaces;
