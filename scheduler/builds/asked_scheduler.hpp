@@ -32,8 +32,8 @@ class NotListening : public Error {
 std::optional<StateDirectory::Address> schedulerOf(const Asked& asked);
 
 // statusAt() and order() wait 5 s for each answer. They throw Error if no answer comes or if the
-// scheduler refuses the request for this key. They also throw if a scheduler of another build now
-// answers at the endpoint that the state directory names.
+// scheduler refuses the request. They also throw if a scheduler of another build now answers at the
+// endpoint that the state directory names.
 
 /// Returns the status of the build: from its scheduler, or, if none runs, from the state directory
 /// ("complete" or "stopped").

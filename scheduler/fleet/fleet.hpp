@@ -18,16 +18,16 @@ struct FleetOptions {
   bool dry_run = false;
 };
 
-/// Watches the scheduler that a fleet works for, across restarts. One thread.
+/// Watches the scheduler that a fleet works for, across its restarts. One thread.
 class FleetWatch {
  public:
   /// `options` must outlive this object.
   explicit FleetWatch(const FleetOptions& options) : options_(options) {}
 
   /// Returns the scheduler's status. If no scheduler runs but the build in the state directory is
-  /// complete, returns its status. Returns none if no scheduler answers, with one log line per
-  /// reason, or if a signal comes first (interrupted()). Throws Error (bad input) if the address is
-  /// invalid and no scheduler ever answered there.
+  /// complete, returns its status. Returns none if no scheduler answers (logs each reason once), or
+  /// if a signal comes first (interrupted()). Throws Error (bad input) if the address is invalid
+  /// and no scheduler ever answered there.
   std::optional<wire::Status> look();
   /// Returns true if the scheduler has been silent for give_up_s.
   bool gaveUp() const { return Clock::now() - heard_ > std::chrono::seconds(options_.give_up_s); }

@@ -48,8 +48,8 @@ class Slurm {
   explicit Slurm(SlurmOptions options) : options_(std::move(options)) {}
 
   SlurmJobs jobs() const;
-  /// Submits workers of one core each, but not on the nodes in `but_on`. Uses the longest arrays
-  /// that Slurm accepts.
+  /// Submits workers of one core each, which run on any nodes except those in `but_on`. Uses the
+  /// longest arrays that Slurm accepts.
   void submit(int workers, const std::set<std::string>& but_on = {});
   /// Cancels these array elements. Running elements get SIGTERM and time to finish.
   void cancel(const std::vector<std::string>& ids) const;

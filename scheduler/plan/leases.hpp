@@ -46,7 +46,7 @@ struct Losses {
 /// aside: it is not handed out before retry(), but its result is still accepted. The grouping into
 /// jobs depends on timing; results must not.
 ///
-/// A finished transition can be solved again as a check, which only some workers may take.
+/// A finished transition can be solved again as a check, by a worker that the caller allows.
 ///
 /// Workers are identified by arbitrary strings. One thread at a time.
 class Leases {
@@ -98,8 +98,8 @@ class Leases {
     bool alone = false;  ///< `next` was handed out alone
   };
   Suspects suspectsOf(const std::string& worker, std::optional<ResultKey> solving) const;
-  /// Blames the suspects for the death of a worker. Call after its leases were ended. Returns the
-  /// suspects that are still open, with their updated losses.
+  /// Blames the suspects for the death of a worker. Call after the worker's leases were ended.
+  /// Returns the suspects that are still open, with their updated losses.
   std::vector<std::pair<ResultKey, Losses>> blame(const Suspects& suspects);
   /// True if only set-aside transitions and waiting checks are left, and nothing is being solved.
   bool stuck() const { return !entries_.empty() && waiting_count_ == 0 && leased_count_ == 0; }

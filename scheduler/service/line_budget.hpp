@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// Limits the log lines and events that peers cause. Peers can join and leave as often as they
-/// like, and must not fill the disk. One thread.
+/// like, and the lines about them must not fill the disk. One thread.
 class LineBudget {
  public:
   using Time = std::chrono::steady_clock::time_point;

@@ -10,9 +10,10 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::seconds servers_written_every{5};
-/// Delay of the table of servers after a worker joined, per workers_per_wait workers. It is short,
-/// because users look for the worker that they just started. It grows with the number of workers:
-/// otherwise, in a flood of new workers, each of them would cause all rows to be written again.
+/// Delay after which the table of servers is written when a worker joined, per workers_per_wait
+/// workers. It is short, because users look for the worker that they just started. It grows with
+/// the number of workers: otherwise, in a flood of new workers, each of them would cause all rows
+/// to be written again.
 constexpr std::chrono::milliseconds newcomers_written_after{1};  // per workers_per_wait workers
 constexpr std::size_t workers_per_wait = 8;
 

@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// Decides which results other workers solve again, when, and which workers may do it, and handles
-/// the outcome of these checks. Plans do not wait for the checks, but the build is complete only
-/// after them. One thread; `state` and `workers` must outlive this object.
+/// Decides which results are solved again, when, and by which other workers, and handles the
+/// outcome of these checks. Plans do not wait for the checks, but the build is complete only after
+/// them. One thread; `state` and `workers` must outlive this object.
 class SecondSolves {
  public:
   using Time = ServiceState::Time;
@@ -28,7 +28,7 @@ class SecondSolves {
   std::size_t left() const { return checks_.openCount() + due_.size(); }
 
   /// Handles a second result of a recorded transition. The result may be the answer to a check, a
-  /// repetition because its acknowledgement was lost, or the late result of a worker that was
+  /// repetition of a result whose acknowledgement was lost, or the late result of a worker that was
   /// believed dead. Returns true if it ended a check in which no worker was wrong.
   bool compare(Worker& worker, const wire::Result& first, const wire::Result& second);
   /// Counts a second result of a transition, and reports it if it differs from the first. Returns

@@ -101,9 +101,9 @@ class SpotChecks {
   Apart apart(const ResultKey& key, const wire::Provenance& worker) const;
   /// True if a machine of the crowd has given no opinion yet.
   bool hasOtherMachine(const ResultKey& key, const Crowd& crowd) const;
-  /// Returns how independent the next worker must be. It needs another key if a worker with another
-  /// key is at work, else another machine. If no other machine may come either, another process on
-  /// the same machine is enough to settle a dispute.
+  /// Returns how independent the next worker must be. It must have another key if `at_work` has a
+  /// key without an opinion, else be on another machine. To settle a dispute, another process is
+  /// enough if every machine in `may_come` has given an opinion.
   Apart wanted(const ResultKey& key, const Crowd& at_work, const Crowd& may_come) const;
   /// True if the worker that gave this opinion gave a different one before.
   bool contradicts(const ResultKey& key, const Opinion& opinion) const;

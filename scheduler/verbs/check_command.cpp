@@ -27,8 +27,8 @@ ExitCode checkState(const CheckStateOptions& options) {
   Inspection found = inspect(std::filesystem::path(options.directory));
   std::vector<std::string> repaired;
   if (options.repair) {
-    // inspect() has refused all other directories, which this constructor would turn into state
-    // directories.
+    // inspect() has refused a directory that is not a state directory: this constructor would turn
+    // it into one.
     const StateDirectory held(options.directory);
     found = inspect(held);
     if (!options.json) fmt::print("{}", describe(found, options.directory));

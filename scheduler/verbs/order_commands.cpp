@@ -30,7 +30,7 @@ ExitCode setPaused(const Asked& asked, bool paused) {
   question.mutable_pause_request()->set_paused(paused);
   const bool works = order(asked, question, wire::Message::kPauseReply).has_value();
   if (!works) {
-    // Refuse any other directory first: StateDirectory would turn it into a state directory.
+    // Refuse a directory that is not a state directory: StateDirectory would turn it into one.
     const StoredTables there{std::filesystem::path(asked.where)};
     Tables(StateDirectory(asked.where)).writePaused(paused);
   }
@@ -113,7 +113,7 @@ struct RetryOptions {
 
 /// Retries in a state directory in which no scheduler runs. Returns the number of transitions.
 std::int64_t retryStored(const RetryOptions& options) {
-  // Refuse any other directory first: StateDirectory would turn it into a state directory.
+  // Refuse a directory that is not a state directory: StateDirectory would turn it into one.
   const StoredTables there{std::filesystem::path(options.asked.where)};
   const StateDirectory directory(options.asked.where);
   const RecordedBuild build(options.asked.where);
