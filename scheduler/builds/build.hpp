@@ -51,8 +51,9 @@ class Build {
 };
 
 /// Returns true if `file` already is the complete dataset of this build. Returns false if the file
-/// does not exist, or if it is a dataset of this build that is partial or has another Storage. In
-/// all other cases, returns false if `replace` is set, and throws Error (bad input) if not.
+/// does not exist, or if it is a dataset of this build that is partial or has other storage
+/// settings (Storage). In all other cases, returns false if `replace` is set, and throws Error (bad
+/// input) if not.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool replace);
 
 /// Writes the dataset of these plans and returns its rows. `find` returns the recorded results.

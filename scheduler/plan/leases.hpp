@@ -62,9 +62,9 @@ class Leases {
   /// Adds a transition that became ready, with its losses in earlier runs. It must not have been
   /// added before.
   void add(const ResultKey& key, const Losses& before = {});
-  /// Leases the next job to `worker`. All its targets have the same start: of the spaces with the
-  /// highest priority, the start nearest to the origin. The job has at most `most` targets, and few
-  /// enough that each of `workers` workers gets some. Returns none if nothing waits.
+  /// Leases the next job to `worker`. All its targets have the same start, which is the one nearest
+  /// to the origin among the spaces with the highest priority. The job has at most `most` targets,
+  /// and few enough that each of `workers` workers gets some. Returns none if nothing waits.
   std::optional<Handout> handOut(const std::string& worker, std::size_t workers,
                                  std::size_t most = max_targets_per_job);
   /// Removes a transition that has an outcome, no matter which worker found it.

@@ -35,8 +35,8 @@ struct Refinement {
 /// - leaves crossed by a jump between branches (branch_check.hpp).
 ///
 /// For a finger:
-/// - The accuracy is required only where contact can push the finger (Finger::reach) with at most
-///   max_force.
+/// - The accuracy is required only for displacements to which contact can push the finger
+///   (Finger::reach) with at most max_force.
 /// - It is enough that 99 % of these positions meet the accuracy.
 /// - A leaf with a failed corner or an apparent jump is split only once.
 /// - A leaf at the rest position is an exception to these rules if one of its edges leads from rest

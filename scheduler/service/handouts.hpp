@@ -16,8 +16,8 @@ class Handouts {
 
   /// Hands out waiting transitions and checks to the workers that ask and have room. Idle workers
   /// come first, because the second job of one worker could be the first job of another. Among idle
-  /// workers, and among busy ones, proven workers come before new ones, then workers with fewer
-  /// targets.
+  /// workers, and among busy ones, proven workers come before new ones; among equals, workers with
+  /// fewer targets come first.
   void handOut();
   void sendProblem(const Worker& worker);
   /// Sends the nodal fields that a job starts from. If workers have left too many bytes of fields

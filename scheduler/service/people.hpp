@@ -29,8 +29,8 @@ class People {
 
  private:
   const std::string& recentStatus();
-  /// Returns the estimated time left, s, without Hindsight, if `share` times as many attempts
-  /// become ready later as expected (Forecast::expected); 0 while the time is unknown.
+  /// Returns the estimated time left, s, not corrected by Hindsight; 0 while it is unknown. Assumes
+  /// that `share` * Forecast::expected attempts will become ready later.
   double timeLeft(double share, Time now) const;
   void addTimeLeft(wire::Status& status, Time now) const;
   std::int32_t retry();

@@ -20,7 +20,7 @@ class SecondSolves {
   /// Opens the checks that note() stored, if their results are recorded and there is room.
   void openDue();
   /// Call when all plans are complete. Drops the checks of results that no plan asked for, and all
-  /// undisputed checks if no second machine ever came. A damaged result keeps its check in the
+  /// undisputed checks if no second machine ever joined. A damaged result keeps its check in the
   /// tables: the damage is found before the dataset is written, and the result is checked after it
   /// has been computed again.
   void forgetUnneeded();

@@ -113,7 +113,7 @@ class SpotChecks {
     std::vector<wire::Provenance> right, wrong;
   };
   /// Adds an opinion to an open check, from a worker that has given none yet. If the check is now
-  /// decided, closes it and returns the verdict. Otherwise the check is disputed, and none is
+  /// decided, closes it and returns the verdict. Otherwise the check is disputed, and no verdict is
   /// returned.
   std::optional<Verdict> hear(const ResultKey& key, const Opinion& opinion);
   /// Closes a check without a verdict.

@@ -28,8 +28,8 @@ struct Inspection {
   };
 
   /// Process id of the scheduler that held the directory during the inspection, or "unknown"; none
-  /// if no scheduler held it. If one did, the journal is read as far as it was written, and the
-  /// number of its records is not compared with the tables.
+  /// if no scheduler held it. If a scheduler held it, the journal is read as far as it was written,
+  /// and the number of records is not compared with the tables.
   std::optional<std::string> scheduler;
   std::optional<ContentId> build;  ///< none if neither the tables nor the journal name a build
   std::string scene_name;          ///< empty if the tables cannot be read

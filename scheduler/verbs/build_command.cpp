@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 /// Give up if this many workers in a row end without a new result. A target that kills its workers
 /// is set aside earlier.
 constexpr int deaths_without_progress = 20;
-/// The same limit while no worker has ever connected, because then the program itself fails.
+/// The lower limit while no worker has ever connected: the program itself probably fails.
 constexpr int deaths_at_the_start = 3;
 /// If no worker has connected after this time, give up: the program hangs.
 constexpr std::chrono::minutes first_word_limit{2};

@@ -219,7 +219,7 @@ HttpServer::HttpServer(const HttpAddress& address,
     parts->server.listen_after_bind();
     parts->ended = true;
   });
-  // Wait until the server runs, because stop() does nothing before.
+  // Wait until the server runs, because stop() does nothing before that.
   while (!parts_->server.is_running() && !parts_->ended)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
