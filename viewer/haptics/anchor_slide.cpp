@@ -13,7 +13,8 @@ constexpr int most_pieces = 3;
 /// enough. The step makes the excess about a hundred times smaller, and the next tick slides the
 /// rest. Most ticks therefore need two evaluations of the spaces instead of four.
 constexpr double small_excess = 0.02;
-/// A smaller barycentric coordinate becomes zero, so the point lies on an edge; about 1e-14 m.
+/// Smaller barycentric coordinates are set to zero, so that the point lies on an edge; about 1e-14
+/// m.
 constexpr double on_edge = 1e-12;
 
 /// Direction of steepest descent of W from a point of a triangle.
@@ -72,8 +73,8 @@ Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from,
   return descent;
 }
 
-/// Returns a point on an edge or vertex in the barycentric coordinates of another triangle that
-/// shares it.
+/// Converts a point on an edge or vertex to the barycentric coordinates of another triangle that
+/// has the same edge or vertex.
 SurfacePoint seenFrom(const TouchSurface& surface, std::int32_t triangle,
                       const SurfacePoint& point) noexcept {
   SurfacePoint seen{triangle, Eigen::Vector3d::Zero()};
@@ -106,8 +107,8 @@ Descent steepestDescent(const TouchSurface& surface, const SurfacePoint& anchor,
   return best;
 }
 
-/// Moves the point, but no further than to the edge of the triangle. Sets `length` to the distance
-/// moved.
+/// Returns the point that lies `length` along the descent, but no further than the edge of the
+/// triangle. Sets `length` to the distance moved.
 SurfacePoint moved(const Descent& descent, double& length) noexcept {
   const Eigen::Vector3d &from = descent.from.barycentric, &rate = descent.rate;
   Eigen::Index last = -1;

@@ -10,8 +10,8 @@ namespace palpate {
 
 class LiveTouch;
 
-/// Derivatives of the stored contact energy W(X) = sum w_i(X) E_i(tool - X) and of its force, for
-/// an anchor X that moves within one triangle.
+/// Derivatives of the contact energy W(X) = sum w_i(X) E_i(tool - X) and of the force F (Contact),
+/// for an anchor X that moves within one triangle.
 struct AnchorSlope {
   Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< dW/dX, N, in the plane of the triangle
   /// d2W/dX2, N/m; only the part in the plane of the triangle is meaningful
@@ -20,8 +20,8 @@ struct AnchorSlope {
 };
 
 /// The force at an anchor: computed from the energy of the area that contains the anchor, or,
-/// outside of areas, blended from the spaces around the anchor. Each space is evaluated once per
-/// displacement.
+/// outside of areas, blended from the spaces around the anchor. Each space is evaluated at most
+/// once for one displacement.
 class BlendedForce {
  public:
   /// `live` corrects the areas of `live_model` (ContactOptions); null: no correction.
@@ -46,18 +46,17 @@ class BlendedForce {
   /// Returns the share of the live solver's equilibria in the force, 0 to 1.
   double followed() const { return followed_; }
 
-  /// Returns the derivatives for an anchor that moves within `triangle`. The triangle must be
-  /// touchable, contain the anchor or have it on its edge, and be in the same area as the anchor
-  /// (or in no area, if the anchor is in none).
+  /// Returns the derivatives of W and F for an anchor that moves within `triangle`. The triangle
+  /// must be touchable, contain the anchor or have it on its edge, and be in the same area as the
+  /// anchor (or in no area, if the anchor is in none).
   ///
   /// In an area W(X) = E(X, tool - X) and dW/dX = F - T, where T is the configurational force.
-  /// `change` and `hessian` leave out the change of T, because they only bound the length of a
-  /// step. If a space has no energy, the tangent contains only the force.
+  /// `change` and `hessian` leave out the derivative of T, because they only bound the length of a
+  /// step. If a space has no energy, `tangent` contains only the force.
   AnchorSlope slopeAlong(std::int32_t triangle) noexcept;
 
  private:
-  /// Largest number of spaces sampled at once. About seven surround a vertex if every vertex is
-  /// active.
+  /// Largest number of spaces sampled at one displacement; about seven if every vertex is active.
   static constexpr std::size_t most_samples = 32;
   /// Returns the sample of a space at the current displacement; null if more than most_samples
   /// spaces were requested.

@@ -52,7 +52,7 @@ void Contact::follow(const Eigen::Vector3d& tool, bool hold) noexcept {
       last_tool_ = tool;
       return;
     }
-    // The force has made a step unless the tool's own motion explains its loss.
+    // The loss of the force is a step unless the tool's own motion explains it.
     end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm(), State::shut);
   }
   seek(tool, hold);
@@ -102,8 +102,8 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
 }
 
 /// Computes the touch. Returns false if the tissue would pull back a tool that leaves; the caller
-/// then ends the contact. A tool inside the body at rest presses whatever the direction of the
-/// force, because on a lobe that bends away the force no longer follows the normal at rest.
+/// then ends the contact. A tool inside the body at rest stays in contact whatever the direction of
+/// the force, because on a lobe that bends away the force no longer follows the normal at rest.
 bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;

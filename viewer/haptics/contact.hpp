@@ -10,7 +10,7 @@
 namespace palpate {
 
 /// Contact force of the tissue on the tool, blended from the configuration spaces of the anchor.
-/// The guard has not limited it yet.
+/// The force guard has not limited this force yet.
 ///
 /// stiffness is d force / d tool while the anchor stays in place. inside is true if the
 /// displacement lies in the computed region of all these spaces; otherwise the force is a
@@ -22,9 +22,9 @@ struct Touch : ForceSample {
     inside = true;
   }
   bool touching = false;
-  /// The raw force may have changed by more than the tool's motion explains: contact began away
-  /// from the surface, contact ended while there was a force, or the model or method was switched.
-  /// The force guard fades in such a step.
+  /// The raw force may have changed by more than the tool's motion explains, because contact ended
+  /// while there was a force, or the model or method was switched during contact. The force guard
+  /// fades in such a step.
   bool stepped = false;
   SurfacePoint anchor;                                        ///< the material point in contact
   Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
@@ -44,8 +44,8 @@ struct Touch : ForceSample {
 /// Contact of a point tool with a soft body.
 ///
 /// The tool touches when it crosses a touchable triangle from outside. The crossing point, the
-/// *anchor*, is the material point that moves with the tool. The displacement is tool - anchor, and
-/// the force over the spaces of the anchor's blend is
+/// *anchor*, is the material point that moves with the tool. The displacement is tool - anchor. The
+/// force is the sum over the spaces i of the anchor's blend, with their weights w_i and forces h_i:
 ///   F = sum w_i(anchor) h_i(tool - anchor).
 /// Displacement and force start at zero, so contact begins without a jump. During contact the
 /// deformed surface passes through the tool at the anchor, so the anchor *is* the closest point of
@@ -54,13 +54,13 @@ struct Touch : ForceSample {
 /// Sliding. The stored energy of a contact is W(X) = sum w_i(X) E_i(tool - X), where X is the
 /// anchor. Moving the anchor along the surface changes W by (F + sum E_i grad w_i) . dX; T is the
 /// tangential part of this gradient. Friction holds the anchor while |T| <= friction * F.n.
-/// Otherwise the anchor slides against T until this holds again, across the edges of triangles.
-/// Sliding therefore never creates energy, and dissipates none without friction. If a method has no
-/// energy, the anchor slides by the tangential force alone. The anchor cannot leave the touchable
-/// surface and stops at its rim. Per tick it slides at most min(most_slide, 2 x tool motion + the
-/// distance that changes the force by most_relaxation) (anchor_slide.cpp); later ticks slide the
-/// rest. The anchor moves continuously and the weights are continuous, so the force is continuous
-/// too.
+/// Otherwise the anchor slides against T until this inequality holds again, across the edges of
+/// triangles. Sliding therefore never creates energy, and dissipates none without friction. If a
+/// method has no energy, the anchor slides by the tangential force alone. The anchor cannot leave
+/// the touchable surface and stops at its rim. Per tick it slides at most min(most_slide, 2 x tool
+/// motion + the distance that changes the force by most_relaxation) (anchor_slide.cpp); later ticks
+/// continue. The anchor moves continuously and the weights are continuous, so the force is
+/// continuous too.
 ///
 /// Beyond the computed region each space returns a continuation of its force, which only becomes
 /// stiffer (fields/answered_region.hpp). The continuation derives from the same energy, so contact
@@ -85,7 +85,8 @@ class Contact {
   explicit Contact(const HapticModel& model, const ContactOptions& options = {});
 
   /// Updates the contact for one tick. tool: m, scene frame; a position that is not finite ends the
-  /// contact. hold: whether the tool may grip and keeps its grip; glued mode only.
+  /// contact. hold: for glued mode only. If true, the tool may grip and keeps its grip; if false,
+  /// it lets go.
   const Touch& update(const Eigen::Vector3d& tool, bool hold = true) noexcept;
   const Touch& touch() const noexcept { return touch_; }
   std::size_t method() const noexcept { return method_; }
@@ -94,9 +95,9 @@ class Contact {
   /// Switches to another model or method. Contact is kept if both surfaces have the same triangles
   /// and vertices and the anchor is touchable in the new model.
   void use(const HapticModel& model, std::size_t method) noexcept;
-  /// Replaces `old`, which may then be destroyed, by another model. If `old` is in use, so is the
-  /// other from now on, with its first method if the current one is not prepared. If the live
-  /// solver corrects `old`, it corrects the other from now on.
+  /// Replaces the model `old` by `model`; `old` may then be destroyed. If `old` is in use, `model`
+  /// is used instead, with the current method if `model` has prepared it, otherwise with its first
+  /// method. If the live solver corrects `old`, it then corrects `model`.
   void replace(const HapticModel& old, const HapticModel& model) noexcept;
 
  private:

@@ -16,11 +16,11 @@ struct ContactOptions {
   /// change by the tool's own motion. This keeps the force continuous while the anchor slides down
   /// from a ridge between two triangles. Smaller values feel softer and lag more.
   double most_relaxation = 0.005;
-  /// Equilibria around the hand that correct the areas of `live_model`; null: none. Both must
-  /// outlive the contact. One contact at a time may use a LiveTouch.
+  /// Source of equilibria near the hand that correct the areas of `live_model`; null: no
+  /// correction. Both must outlive the contact. Only one contact at a time may use a LiveTouch.
   LiveTouch* live = nullptr;
   const HapticModel* live_model = nullptr;
-  double period = 1e-3;  ///< s, between two updates; only `live` needs it
+  double period = 1e-3;  ///< time between two updates, s; used only with `live`
 };
 
 }  // namespace palpate

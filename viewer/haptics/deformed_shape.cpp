@@ -12,7 +12,7 @@ namespace {
 void passThroughTool(const TouchSurface& surface, const Touch& touch,
                      std::span<float> out) noexcept {
   const Triangle& t = surface.triangles()[at(touch.anchor.triangle)];
-  // The radius is so large that it always contains a corner of the anchor's triangle.
+  // The radius is large enough that the bump always contains a corner of the anchor's triangle.
   double radius = 0;
   for (std::size_t c = 0; c < 3; ++c)
     radius +=

@@ -14,9 +14,9 @@ namespace palpate {
 /// i that moves by p, not the anchor, and u_i is interpolated between lattice points. The blended
 /// surface would therefore miss the tool. A smooth correction makes the anchor move by exactly p
 /// (to float32). It adds the missing displacement times a bump (1 - (r/R)^2)^2, with r the distance
-/// from the anchor at rest and R twice the length of the longest edges at the corners around the
-/// anchor. The bump is C1. The correction is for appearance, not mechanics, and changes nothing
-/// outside R.
+/// from the anchor at rest and R twice the length of the longest edge at each corner of the
+/// anchor's triangle, interpolated to the anchor. The bump is C1. The correction is for appearance,
+/// not mechanics, and changes nothing outside R.
 ///
 /// One thread at a time. Allocates only at construction.
 class DeformedShape {

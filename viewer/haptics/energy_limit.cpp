@@ -12,8 +12,8 @@ constexpr double damping = 4;
 /// the force. growing_out: for the force while the hand moves out. growing_ahead: for predicting
 /// when the force must begin to fall.
 constexpr double growing_out = 1.3, growing_ahead = 2;
-constexpr double rest_radius = 2e-4;   // m: more than the resolution of a device, less than the
-                                       // distance of a slow press in rest_duration
+// m; more than the resolution of a device, less than a slow press moves in rest_duration
+constexpr double rest_radius = 2e-4;
 constexpr double rest_duration = 0.1;  // s
 constexpr int halvings = 20;           // steps of the bisection for the force
 
@@ -50,8 +50,8 @@ void EnergyLimit::give(const Eigen::Vector3d& force) noexcept {
 /// returns the largest possible work.
 double EnergyLimit::work(const Eigen::Vector3d& motion, const HeldForces& held) const noexcept {
   if (held.newest == 0) return 0;
-  // If the device does not report how long each force was held, assume that it held a different
-  // force in each tick since the last reading.
+  // If the device does not report HeldForces::interval, assume that it held a different force in
+  // each tick since the last reading.
   const std::uint32_t untold = held.interval > 0 ? 0 : held.newest + age_ - 1;
   const std::uint32_t oldest = std::min(std::max<std::uint32_t>(held.oldest, untold), remembered);
   double largest = given(held.newest).dot(motion);

@@ -21,8 +21,9 @@ std::uint32_t bitIf(Guarded guarded, bool is) {
   return is ? static_cast<std::uint32_t>(guarded) : 0;
 }
 
-/// Shortens a vector to `longest` and keeps its direction. It stays slightly shorter, so that the
-/// rounding of later sums cannot exceed the limit. Returns whether it was shortened.
+/// Shortens a vector to `longest` and keeps its direction. The result is slightly shorter than
+/// `longest`, so that sums computed from it cannot exceed the limit by rounding. Returns whether
+/// the vector was shortened.
 bool shorten(Eigen::Vector3d& v, double longest) {
   const double length = v.norm();
   if (length <= longest) return false;
@@ -100,8 +101,8 @@ double ForceGuard::renderedShare(const Eigen::Vector3d& raw) const noexcept {
   return length > options_.max_force ? options_.max_force / length : 1;
 }
 
-/// Records the position of the tool. Returns whether the raw force makes a step since the last
-/// tick.
+/// Records the position of the tool. Returns whether the raw force makes a step from the last tick
+/// to this one.
 bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
   const double since_fresh = static_cast<double>(ticks_since_fresh_ + 1) * options_.period;
   const bool jump =
@@ -119,8 +120,7 @@ bool ForceGuard::takeIn(const GuardInput& input, bool usable) noexcept {
   return input.touch.stepped || jump || usable != was_usable || (was_stalled && !stalled_);
 }
 
-/// Returns the rendered force for a raw force, N. Ramp, clamp, energy and slew follow in the order
-/// of the class comment.
+/// Returns the rendered force for a raw force, N. Applies steps 2 to 6 of the class comment.
 Eigen::Vector3d ForceGuard::shaped(const Eigen::Vector3d& raw, const Touch& touch, bool stepped,
                                    std::uint32_t& guards) noexcept {
   // The step begins at the force that the hand feels now, even if that force was clamped, slewed or

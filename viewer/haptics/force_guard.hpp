@@ -12,7 +12,7 @@ namespace palpate {
 /// Limits of the force on a hand. They cannot be switched off.
 struct GuardOptions {
   double period = 1e-3;         ///< length of a tick, s
-  double max_force = 3.3;       ///< N; default: limit of the smallest device
+  double max_force = 3.3;       ///< N; default: limit of the weakest known device
   double max_slew = 0;          ///< N/s; 0: reaches max_force in 10 ms
   double ramp = 0.05;           ///< time in which a step of the raw force is faded in, s
   double stall = 0.02;          ///< the force goes to zero after this time without a fresh reading,
@@ -20,11 +20,10 @@ struct GuardOptions {
   double max_stiffness = 400;   ///< limit of the device, N/m; only recorded, not enforced
   double energy_credit = 1e-4;  ///< a surplus or deficit of energy is carried along up to this
                                 ///< amount, J
-  /// Delay from a reading to its force that the device does not report in its readings
-  /// (HeldForces), s. It is added to the reported delay; at most 30 periods.
+  /// Part of the delay from a reading to its force that the device does not report (HeldForces), s.
+  /// It is added to the reported delay; at most 30 periods.
   double delay = 0;
-  double max_speed = 5;  ///< m/s; faster than any hand: such a motion is a false reading and
-                         ///< causes a step
+  double max_speed = 5;  ///< m/s; a faster motion is a false reading and is treated as a step
 };
 /// Returns the default limits, with max_force and max_stiffness taken from a device.
 GuardOptions guardFor(const DeviceProfile& profile, double period);
@@ -89,21 +88,21 @@ class ForceRamp {
 };
 
 /// Computes the force of the device from the force of the contact, tick by tick:
-/// 1. Invalid input: if the reading or the force is not finite, the device is lost, or the loop
-///    hung, the raw force is set to zero. This is a step.
-/// 2. Ramp: a step d of the raw force (Touch::stepped, case 1, or a motion faster than max_speed)
-///    is faded in as F - d (1 - s(t)). The factor s goes smoothly from 0 to 1 in `ramp` seconds, so
-///    the force continues from its last value.
+/// 1. Invalid input: if the position of the tool or the raw force is not finite, the raw force is
+///    set to zero. This is a step, and so is the return to valid input.
+/// 2. Ramp: a step d of the raw force (Touch::stepped, case 1, a motion faster than max_speed, or
+///    the end of a stall) is faded in as F - d (1 - s(t)). The factor s goes smoothly from 0 to 1
+///    in `ramp` seconds, so the force continues from its last value.
 /// 3. Clamp: the force is shortened to max_force and keeps its direction.
 /// 4. Energy: the hand gets back no more energy than it put in (EnergyLimit). A step may change the
-///    stored energy by any amount without work of the hand, so the energy sums restart until its
-///    ramp ends.
+///    stored energy by any amount without work of the hand, so the energy sums are restarted in
+///    every tick until the ramp ends.
 /// 5. Slew: the force changes by at most max_slew.
 /// 6. Stall: after `stall` seconds without a fresh reading, the force goes to zero at max_slew.
 ///
-/// If the device is lost or the loop hung, the force is zero at once. Numbers beyond 1e9 (N, m, J)
-/// count as not finite. Deterministic: the output depends on the inputs only. One thread; real
-/// time.
+/// If the device is lost or the loop hung, the force is zero at once, and all earlier ticks are
+/// forgotten. Numbers beyond 1e9 (N, m, J) are treated as not finite. Deterministic: the output
+/// depends on the inputs only. One thread; real time.
 class ForceGuard {
  public:
   /// Throws Error if a number is not finite, the period, max_force or max_speed is not positive,

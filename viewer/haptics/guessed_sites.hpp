@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-/// Returns whether a point of the space is unknown, so that its build has not finished it.
+/// Returns whether the build of a space is unfinished, that is, whether a point has the tag
+/// `unknown`.
 bool isUnfinished(const SpaceTable& space);
 
 /// Replaces all points of a finger's site by a guess: a spring, about as stiff as the softest
@@ -15,8 +16,8 @@ bool isUnfinished(const SpaceTable& space);
 /// live solver has answered, and whenever the live solver does not keep up.
 void guess(SpaceTable& site, const Scene& scene);
 
-/// Returns the guessed displacements of these vertices, which are positions at rest, m:
-/// [point][vertex][axis], as DisplacementField expects them.
+/// Returns the guessed displacements of vertices, m, [point][vertex][axis], as DisplacementField
+/// expects them. vertices: their positions at rest, m.
 std::vector<float> guessedShapes(const SpaceTable& site, std::span<const Eigen::Vector3d> vertices);
 
 }  // namespace palpate

@@ -16,15 +16,15 @@ enum class DeviceStatus : std::uint8_t {
   away       ///< the device works, but no hand is in the scene; the position is meaningless
 };
 
-/// Tells which forces a device held before a reading, and how late its next force will act. The
+/// Tells which forces a device held before a reading, and how late the next force will act. The
 /// force guard computes the energy of the loop from this. The defaults describe a device that is
 /// read and written within the tick.
 struct HeldForces {
-  /// Ticks since the newest and the oldest of these forces were written; 1: in the last tick, 0:
-  /// the force was zero.
+  /// Ticks since the newest and the oldest of these forces were written; 1: in the last tick; 0:
+  /// the device held zero force.
   std::uint16_t newest = 1, oldest = 1;
-  double delay = 0;     ///< from the reading until its force acts, s
-  double interval = 0;  ///< time since the reading before, s; 0: one period per tick
+  double delay = 0;     ///< time from the reading until the force computed from it acts, s
+  double interval = 0;  ///< time since the previous reading, s; 0: one period per tick since then
   double hold = 0;      ///< time for which a force is held, s; 0: one period
   bool operator==(const HeldForces&) const = default;
 };
@@ -33,7 +33,7 @@ struct HeldForces {
 struct DeviceReading {
   /// m, in the device's frame (HapticDevice)
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 releases (contact.hpp)
+  std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 lets go in glued mode
   DeviceStatus status = DeviceStatus::lost;
   HeldForces held = {};
 };
@@ -43,7 +43,7 @@ inline Eigen::Vector3d nowhere() noexcept {
   return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 }
 
-/// Position of the tool, as the mouse sets it in the picture.
+/// Position of the tool, set by the mouse in the window.
 struct MouseTarget {
   Eigen::Vector3d position = nowhere();  ///< m, scene frame; not finite: no tool
   /// Number of times that the tool appeared. If the number changed, the tool was absent in between,
@@ -70,7 +70,7 @@ class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
   virtual DeviceReading read() noexcept = 0;
-  /// Sets the force until the next call, N. The force is always finite and at most
+  /// Sets the force that acts until the next call, N. The force is always finite and at most
   /// profile().max_force.
   virtual void write(const Eigen::Vector3d& force) noexcept = 0;
 
@@ -79,14 +79,15 @@ class HapticDevice {
   virtual void halt() noexcept = 0;
   virtual void resume() noexcept = 0;
 
-  /// Moves the tool of the mouse. Only the picture's thread calls this; other devices ignore it.
+  /// Moves the tool of the mouse. Only the drawing thread calls this; devices other than the mouse
+  /// ignore it.
   virtual void moveTo(const MouseTarget& /*target*/) noexcept {}
   /// Returns whether this device is the mouse, whose tool moveTo() moves.
   virtual bool isMouse() const { return false; }
 
   /// Returns the device's limits of force, stiffness and workspace.
   virtual DeviceProfile profile() const { return traits_.profile; }
-  /// Returns the number of readings after which the device is lost; 0: no end.
+  /// Returns the number of readings after which the device is lost; 0: unlimited.
   virtual std::uint64_t readings() const { return 0; }
   virtual bool livesInScene() const { return traits_.lives_in_scene; }
   virtual bool hasButtons() const { return traits_.has_buttons; }

@@ -19,8 +19,7 @@ namespace palpate {
 struct LoopOptions {
   double rate = 1000;         ///< Hz
   bool real_time = false;     ///< request SCHED_FIFO and mlockall; see trouble() for refusals
-  bool free_running = false;  ///< no clock: one tick after the other, as fast as possible (tests,
-                              ///< palpate view --fast)
+  bool free_running = false;  ///< run ticks as fast as possible, without a clock (tests, --fast)
   double watchdog = 0.1;      ///< time without a tick until the device is halted, s
   std::uint64_t ticks = 0;    ///< number of ticks until the loop stops; 0: never
   /// Put every state into a queue for takeRecorded(). The queue holds 8192 states. If it is full,
@@ -36,17 +35,17 @@ struct LoopOptions {
 /// more processor time than the period, otherwise the operating system's.
 ///
 /// If no tick ends for `watchdog` seconds, the watchdog thread halts the device and counts the
-/// halt. When the ticks continue, the loop starts from zero force (Guarded::late). It also restarts
-/// from zero if it notices such a gap itself, or if another loop ran the HapticTick before.
+/// halt. When the ticks continue, the loop starts from zero force (Guarded::late). It also does so
+/// if it notices the gap before the watchdog does, or if another loop ran the HapticTick before.
 ///
 /// The watchdog also halts a lost device, because the device's own thread may hang and hold the
-/// last force. The device is resumed after the first tick in which it is not lost. That tick counts
-/// as late and writes zero. A free-running loop has no watchdog. With real_time the watchdog's
-/// priority is one above the loop's, and the priority of the device's threads one below
+/// last force. The device is resumed after the first tick in which it is not lost. That tick is
+/// treated as late and writes zero. A free-running loop has no watchdog. With real_time the
+/// watchdog's priority is one above the loop's, and the priority of the device's threads one below
 /// (real_time.hpp).
 ///
 /// Threads: latest(), command() and takeRecorded() may each be called from one thread, all other
-/// functions only by the owner. The picture calls latest().
+/// functions only by the owner. The drawing thread calls latest().
 class HapticLoop {
  public:
   /// tick and device must outlive this object, and the tick must use this device. Throws Error if
@@ -55,7 +54,8 @@ class HapticLoop {
   ~HapticLoop();  ///< stops the loop
   void start();   ///< once only; throws Error if a thread cannot be created
   void stop();    ///< writes zero force last and completes the statistics
-  /// Returns true from start() until the last tick, by stop() or LoopOptions::ticks.
+  /// Returns true from start() until the loop has ended, because of stop() or after
+  /// LoopOptions::ticks ticks.
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
   const HapticState& latest() noexcept { return states_.read(); }

@@ -26,7 +26,7 @@ double radiusOf(const ActivePatch& patch, const Mesh& mesh) {
   return radius;
 }
 
-/// Returns a copy of a space without a solved point, in which the rest position is solved.
+/// Returns a copy of `space`, which has no solved point, with the rest position marked as solved.
 SpaceTable atRest(SpaceTable space) {
   space.points.front().tag = Tag::expandable;
   return space;
@@ -130,7 +130,7 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop, bool alone) {
   PALPATE_ASSERT(method < methods_.size(), "the interpolation method must exist");
-  // Make the areas before the spaces, because they use all cores themselves.
+  // Make the areas before the spaces, because making areas already uses all cores.
   if (!makeAreas(stop)) return;
   const auto makeNext = [&](std::size_t space) {
     if (!stop.stop_requested()) make(method, space);
@@ -159,7 +159,7 @@ double HapticModel::preparedShare(std::size_t method) const noexcept {
   if (method >= fields_.size()) return 0;
   if (isPrepared(method)) return 1;
   const auto made = static_cast<double>(fields_[method].made.load(std::memory_order_relaxed));
-  // Stay below 1, which means that field() may be called.
+  // Stay below 1, because a share of 1 means that field() may be called.
   return std::min(0.99, std::max(made / static_cast<double>(spaces_.size()),
                                  areas_share_.load(std::memory_order_relaxed)));
 }

@@ -26,16 +26,16 @@ struct HapticModelOptions {
   /// Prepare everything in the constructor. If false, the caller prepares each method with
   /// HapticModel::prepare(), and the pressures with preparePressures().
   bool prepare = true;
-  /// Replaces each site of a finger that is not finished by a guess (guessed_sites.hpp). Forces
-  /// near such a site are marked as not inside, with an error bound of at least the force itself.
-  /// If false, what is solved of the site is used; a site without a solved point is left out.
+  /// Replace each unfinished site of a finger by a guess (guessed_sites.hpp). Forces near such a
+  /// site are marked as not inside, with an error bound of at least the force itself. If false, the
+  /// solved points of unfinished sites are used, and sites without a solved point are left out.
   bool guess = false;
   /// Stops reading the shapes; the constructor then throws an Error with the exit code of an
   /// interrupt.
   std::stop_token stop = {};
 };
 
-/// Everything in memory that is needed to touch one dataset. The file may be replaced or deleted.
+/// One dataset in memory, ready to be touched. Its file may be replaced or deleted.
 ///
 /// Threads: any thread may read, also while methods are prepared. A method becomes visible when it
 /// is complete, and does not change afterwards.
@@ -120,8 +120,8 @@ class HapticModel {
   ContentId content_, build_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
-  std::vector<bool> guessed_;       ///< [space]
-  NearPoints guessed_sites_;        ///< centres; reach: distance to which a site influences forces
+  std::vector<bool> guessed_;  ///< [space]
+  NearPoints guessed_sites_;   ///< centres of guessed sites; reach: distance of their influence
   std::vector<double> tool_radii_;  ///< m, [space]
   /// Places around the sites of each area, m. They decide where the area gets collocation points.
   std::vector<std::vector<Eigen::Vector3d>> places_;

@@ -16,8 +16,8 @@ const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
   return *models.front();
 }
 
-/// Returns the options with the tick's period in those of guard and contact. The force limit is
-/// never above the device's, whatever the options say.
+/// Returns the options with the tick's period copied to guard and contact, and with a force limit
+/// of at most that of the device.
 TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
   options.contact.period = options.period;

@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// Inputs and results of one tick. Passed by value to other threads (picture, recording).
+/// Inputs and results of one tick. Passed by value to other threads (drawing, recording).
 struct HapticState {
   std::uint64_t tick = 0;  ///< counted from 1
   double time = 0;         ///< tick * period, s; not wall-clock time
   DeviceReading reading;
-  /// m, scene frame; the last position that was finite
+  /// last finite position of the tool, m, scene frame
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();
   Touch touch;
   /// force written to the device, N, scene frame
@@ -24,7 +24,7 @@ struct HapticState {
   double passivity = 0;                ///< J, as GuardedForce::passivity
   std::int32_t model = 0, method = 0;  ///< indices of the model and the method in use
 
-  /// Returns the tool position that pictures show, m, scene frame. It stops at the edge of the
+  /// Returns the position at which to draw the tool, m, scene frame. It stops at the edge of the
   /// computed region.
   Eigen::Vector3d shownTool() const noexcept { return tool - touch.excess(); }
 };
@@ -33,12 +33,12 @@ struct HapticState {
 struct HapticCommand {
   enum class Kind : std::uint8_t {
     use,      ///< use this model and method (indices)
-    replace,  ///< put another model in the place of this one; the contact continues
+    replace,  ///< replace this model by `replacement`; the contact continues
     release,  ///< end the contact
   } kind = Kind::use;
   std::int32_t model = 0, method = 0;
-  /// For `replace`. Must outlive the tick or its own replacement; its first method must be
-  /// prepared.
+  /// For `replace`. Must stay valid until it is replaced itself or the HapticTick is destroyed. Its
+  /// first method must be prepared.
   const HapticModel* replacement = nullptr;
 };
 
@@ -57,8 +57,8 @@ struct WorkspaceMap {
   }
 };
 /// Returns the map that fits a device's workspace around the touchable surface. For devices that
-/// live in the scene it is the identity. For other devices its axes are the scene's. Its scale is
-/// at least 1, and so large that the workspace of `limits` contains the touchable vertices and the
+/// live in the scene it is the identity. For other devices it does not rotate. Its scale is at
+/// least 1, and so large that the workspace of `limits` contains the touchable vertices and the
 /// displacements around them.
 WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
                           const DeviceProfile& limits);

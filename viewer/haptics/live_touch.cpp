@@ -10,7 +10,7 @@ namespace {
 
 /// Largest change of the force per tick of a fade, N and relative to the force.
 constexpr double largest_fade_step = 0.005, largest_fade_share = 0.01;
-/// s; a hand should not feel a wrong force for longer
+/// Longest fade, s. A hand should not feel a wrong force for longer.
 constexpr double longest_fade = 0.3;
 
 }  // namespace
@@ -42,7 +42,7 @@ void LiveTouch::begin(double period) noexcept {
 double LiveTouch::fadeOf(const Expansion& expansion, double period) const noexcept {
   const double change = (expansion.at(last_.place, last_.displacement).force - last_.force).norm();
   const double allowed = std::max(largest_fade_step, largest_fade_share * last_.force.norm());
-  // A smooth step is 1.5 times as steep in its middle as a straight one.
+  // A smooth step is 1.5 times as steep in its middle as a linear one.
   return std::min(1.5 * period * change / allowed, longest_fade);
 }
 

@@ -17,8 +17,9 @@ struct LiveHand {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, of the tissue
 };
 
-/// Returns the radius of the fingers that touch a model, m. Error (bad input) if the model is not
-/// that of the scene `build` (problemId), or has no finger or fingers of several radii.
+/// Returns the radius of the fingers that touch a model, m. Error (bad input) if the build id of
+/// the model is not `build` (problemId of a scene), if no finger touches the model, or if its
+/// fingers have several radii.
 double followedRadius(const HapticModel& model, ContentId build);
 
 /// Statistics of a live solver: how well it keeps up with the hand.
@@ -29,7 +30,7 @@ struct LiveStatistics {
   double seconds = 0;  ///< s, time from question to answer, summed over answers and failures
   double largest_seconds = 0;  ///< s, largest time from question to answer
 
-  double meanSeconds() const {  ///< s, from question to answer; 0 before the first answer
+  double meanSeconds() const {  ///< mean time from question to answer, s; 0 before the first answer
     const std::uint64_t count = answers + failures;
     return count > 0 ? seconds / static_cast<double>(count) : 0;
   }
@@ -72,7 +73,7 @@ class LiveTouch {
   const double radius_;
   TripleBuffer<LiveHand> hands_;
   TripleBuffer<Answer> answers_;
-  std::uint64_t answered_ = 0;  ///< used by the asking thread
+  std::uint64_t answered_ = 0;  ///< number of answers; used by the asking thread
 
   // Used by the haptic thread.
   LiveCorrection correction_;

@@ -49,8 +49,8 @@ struct LoopStatistics {
                                     ///< interrupted
   std::uint64_t halts = 0;          ///< number of times the watchdog halted the device
   std::uint64_t page_faults = 0, preemptions = 0;      ///< by the loop's thread (getrusage)
-  std::array<std::uint64_t, guard_count> guards = {};  ///< ticks with each Guarded bit
-  std::uint64_t not_recorded = 0;  ///< states lost because the recording was too slow
+  std::array<std::uint64_t, guard_count> guards = {};  ///< number of ticks with each Guarded bit
+  std::uint64_t not_recorded = 0;  ///< number of states lost because the recording was too slow
   std::uint64_t contacts = 0;      ///< number of times contact began
   double largest_force = 0;        ///< N, of the rendered force
   double largest_step = 0;         ///< N, largest change of the rendered force between two ticks
@@ -58,7 +58,7 @@ struct LoopStatistics {
 
 struct HapticState;
 /// Adds one tick to ticks, guards, contacts, largest_force and largest_step. before: the state of
-/// the tick before. Real time.
+/// the previous tick. Real time.
 void count(LoopStatistics& statistics, const HapticState& before,
            const HapticState& state) noexcept;
 

@@ -15,7 +15,7 @@ inline constexpr int highest_priority = watchdog_priority;
 
 /// Returns 0 if the system grants SCHED_FIFO with this priority, otherwise the errno of the
 /// refusal. Tries it in a temporary thread, so nothing else changes; if that thread cannot be
-/// created, returns that errno.
+/// created, returns the errno of that failure.
 int refusalOfPriority(int wanted);
 /// Gives a thread SCHED_FIFO. Returns a sentence that explains the refusal; empty if granted.
 std::string giveRealTime(pthread_t thread, const char* name, int wanted);

@@ -141,7 +141,7 @@ double readNotNegative(const Reader& in, const char* attribute) {
   return value;
 }
 
-/// Returns the limits of the recorded device. Their name lives as long as the program.
+/// Returns the limits of the recorded device. The name in the result lives as long as the program.
 DeviceProfile readProfile(const Reader& in) {
   const DeviceProfile* const known = deviceNamed(in.text("profile"));
   return {known == nullptr ? "replay" : known->name, readNotNegative(in, "profile_max_force"),

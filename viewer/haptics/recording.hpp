@@ -31,24 +31,24 @@ RecordedRun describeRun(const std::vector<const HapticModel*>& models, const Hap
                         const TickOptions& options);
 
 /// Collects the states of a run in memory, 230 bytes each: 10 minutes at 1 kHz take 140 MB. Use it
-/// from one thread at a time, and never from the haptic thread, because it allocates
-/// (HapticLoop::takeRecorded).
+/// from one thread at a time, and never from the haptic thread, because it allocates; another
+/// thread gets the states by HapticLoop::takeRecorded().
 class Recorder {
  public:
   /// Throws Error if the period is not positive.
   explicit Recorder(RecordedRun run);
   Recorder(Recorder&&) noexcept;
   ~Recorder();
-  /// Adds a state. Throws Error if it is not later than the last one.
+  /// Adds a state. Throws Error if its time is not after that of the last state.
   void add(const HapticState& state);
   std::size_t size() const { return size_; }
   /// Returns whether the recording contains every tick from the first tick of the run to the last
   /// one added.
   bool complete() const { return complete_; }
-  /// Writes an HDF5 file aside and renames it, so `file` is either the old file or a complete new
-  /// one. Throws Error with the file's name if it cannot be written (a full disk); the attempt then
-  /// leaves nothing behind, and save() may be called again. The same recording gives the same
-  /// bytes.
+  /// Writes an HDF5 file under a temporary name and renames it, so `file` is either the old file or
+  /// a complete new one. Throws Error with the file's name if it cannot be written (a full disk);
+  /// the attempt then leaves nothing behind, and save() may be called again. The same recording
+  /// gives the same bytes.
   ///
   ///   /time                 float64  n     s, tick * period: increasing
   ///   /device/position      float64  n x 3 m, frame of device or scene (scene_frame); may be NaN

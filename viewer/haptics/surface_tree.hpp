@@ -33,13 +33,15 @@ class SurfaceTree {
   /// The arguments are not needed after construction. vertices: metres.
   SurfaceTree(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles);
 
-  /// Returns the point of the surface that is nearest to any finite point.
+  /// Returns the point of the surface that is nearest to `point`; triangle -1 if `point` is not
+  /// finite.
   ///
-  /// hint: a triangle that is probably near, such as the previous result for a moving point. It
+  /// hint: a triangle that is probably near, such as the previous result for a moving point. A hint
   /// makes the search shorter. It changes the result only if several triangles are equally near.
   NearestPoint nearest(const Eigen::Vector3d& point, std::int32_t hint = -1) const noexcept;
-  /// Returns the first triangle that the segment from `from` to `to` passes from outside to inside.
-  /// A segment through an edge or a vertex hits one of the triangles there, so there are no cracks.
+  /// Returns the first triangle that the segment from `from` to `to` passes from outside to inside;
+  /// triangle -1 if there is none. A segment through an edge or a vertex hits one of the triangles
+  /// there, so there are no cracks.
   Crossing entry(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const noexcept;
 
  private:

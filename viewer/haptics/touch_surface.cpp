@@ -43,7 +43,7 @@ std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   return shares;
 }
 
-/// Returns the areas. unsolved: with the sites that have no solved point.
+/// Returns the areas. unsolved: whether to include sites that have no solved point.
 std::vector<TouchArea> touchAreas(const Dataset& dataset, bool unsolved) {
   const std::vector<SpaceTable>& spaces = dataset.spaces();
   std::vector<TouchArea> areas;
@@ -245,8 +245,8 @@ void TouchSurface::setTouchable() {
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
     const Triangle& t = triangles_[n];
     if (!std::ranges::all_of(t, [this](std::int32_t v) { return !sharesOf(v).empty(); })) continue;
-    // A triangle across the rim of an area is not touchable. The area gives forces in its own
-    // triangles only, and they are not blended with others.
+    // A triangle across the rim of an area is not touchable. An area gives forces in its own
+    // triangles only, and these forces are not blended with others.
     const bool at_its_rim =
         std::ranges::any_of(t, [this](std::int32_t v) { return area_of_vertex_[at(v)] >= 0; });
     if (at_its_rim && area_of_[n] < 0) continue;

@@ -52,14 +52,14 @@ struct TouchArea {
 /// A vertex near active nodes has weights of up to three spaces:
 /// - An active node, or a node of its patch, has weight 1 for its own space. If patches overlap, a
 ///   node in the overlap has equal weights for all of their spaces.
-/// - Another vertex within `reach` of patches has weights for the nearest three. They are (1 / d)
-///   (1 - d / reach)^2, scaled to sum 1, where d is the length of the shortest path along surface
-///   edges to the patch.
+/// - Another vertex within `reach` of patches has weights for the spaces of the three nearest
+///   patches. The weights are (1 / d) (1 - d / reach)^2, scaled to sum 1, where d is the length of
+///   the shortest path along surface edges to the patch.
 ///
 /// A triangle is touchable if its three corners have weights. The weights are interpolated linearly
 /// in the triangle, so they are continuous over the touchable surface and sum to 1. The force is
-/// therefore continuous between active nodes. With the nearest vertex alone, as in the paper, it
-/// would jump.
+/// therefore continuous between active nodes. With only the space of the nearest vertex, as in the
+/// paper, the force would jump.
 ///
 /// The area of a finger is touchable in the triangles whose three corners are near its sites and
 /// not all fixed. Forces come from the energy of the area. The weights of up to three sites at each
