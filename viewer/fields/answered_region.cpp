@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Least share of solved points in the interpolation. The region ends where the share is smaller,
+/// Least total interpolation weight of solved points. The region ends where the weight is smaller,
 /// unless the gap is short.
 constexpr double least_support = 0.5;
 /// Longest gap that is bridged, spacings. One failed point among solved points makes a gap of one
@@ -71,7 +71,8 @@ class Ways {
 
   const CellTree& tree_;
   double smallest_leaf_;
-  std::vector<Eigen::Vector2d> support_;    ///< per slot, 0 to 1: solved, considered
+  std::vector<Eigen::Vector2d> support_;    ///< per slot: whether it is solved, whether it is
+                                            ///< considered; 0 to 1 at hanging slots
   std::vector<Eigen::Matrix3d> stiffness_;  ///< per slot
 };
 

@@ -11,7 +11,7 @@ namespace palpate {
 struct RegionEdge {
   double radius = 0;     ///< m from rest
   double stiffness = 0;  ///< N/m, of the continuation
-  /// m and N/m, derivatives with respect to the unit direction, tangential to the unit sphere.
+  /// Derivatives with respect to the unit direction, tangential to the unit sphere, m and N/m.
   Eigen::Vector3d radius_slope = Eigen::Vector3d::Zero(), stiffness_slope = Eigen::Vector3d::Zero();
 
   /// Adds `weight` times another edge.
@@ -20,9 +20,10 @@ struct RegionEdge {
 
 /// Region of the displacements at which a configuration space is interpolated, star-shaped around
 /// rest. Along each direction it ends at the surface of the workspace ball, or before the first gap
-/// longer than 1.25 spacings. In a gap, more than half of the interpolated data are extrapolated,
-/// because points failed, were not reached, or have crushed elements. Shorter gaps are bridged. The
-/// radius of the edge is a twice continuously differentiable function of the direction.
+/// longer than 1.25 spacings. In a gap, more than half of the interpolation weight belongs to
+/// points without usable data, because they failed, were not reached, or have crushed elements.
+/// Shorter gaps are bridged. The radius of the edge is a twice continuously differentiable function
+/// of the direction.
 ///
 /// Immutable: any thread may read.
 class AnsweredRegion {
@@ -30,7 +31,7 @@ class AnsweredRegion {
   AnsweredRegion() = default;
   explicit AnsweredRegion(const CellData& data);
 
-  /// Returns a length, m, up to which every displacement is in the region.
+  /// Returns a radius, m, within which every displacement is in the region.
   double leastRadius() const noexcept { return least_radius_; }
   /// Returns the edge of the region along a direction from rest. Real time.
   RegionEdge along(const DirectionWeights& direction) const noexcept;
@@ -54,11 +55,10 @@ inline bool isWithin(double length, double radius) noexcept {
 ///
 ///   E(p) = E(q) - t n . F(q) + stiffness t^2 / 2
 ///
-/// This energy continues the interpolated energy inside the region. The force is its exact negative
-/// gradient, and continuous at the edge. Along n the force grows with the stiffness of the
-/// continuation. This stiffness is at least that of the tissue at the edge. It is also large enough
-/// that the force reaches max_force within 3 mm, or within a tenth of the workspace's radius if
-/// that is less.
+/// The force is the exact negative gradient of this energy, and continuous at the edge. Along n the
+/// force grows with the stiffness of the continuation. This stiffness is at least that of the
+/// tissue at the edge. It is also large enough that the force reaches max_force within 3 mm, or
+/// within a tenth of the workspace's radius if that is less.
 ///
 /// The stiffness of the sample is exact at the edge. Beyond the edge it neglects that the tissue's
 /// stiffness and the slope of the edge change from direction to direction. The error bound grows by
@@ -68,16 +68,16 @@ inline bool isWithin(double length, double radius) noexcept {
 ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
                             const Eigen::Vector3d& unit, double depth) noexcept;
 
-/// Displacements longer than this many radii of the ball are shortened to that length, so that all
-/// numbers stay finite.
+/// Longer displacements, in radii of the ball, are shortened to this length, so that all numbers
+/// stay finite.
 inline constexpr double farthest_in_radii = 4;
 
 /// Evaluates a field at a displacement, m. Calls inRegion(p) if the displacement is in the answered
 /// region, otherwise beyond(edge, unit, depth), which continues the field from the edge. A NaN
 /// displacement gives a default sample.
 ///
-/// radius: of the ball, m. least_radius: m, a length up to which every displacement is in the
-/// region. edgeAlong(unit): returns the RegionEdge along a unit direction. Real time.
+/// radius: radius of the ball, m. least_radius: radius within which every displacement is in the
+/// region, m. edgeAlong(unit): returns the RegionEdge along a unit direction. Real time.
 template <class EdgeAlong, class InRegion, class Beyond>
 auto answerTo(const Eigen::Vector3d& displacement, double radius, double least_radius,
               EdgeAlong edgeAlong, InRegion inRegion, Beyond beyond) noexcept

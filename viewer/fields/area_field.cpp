@@ -409,7 +409,7 @@ void AreaField::judge(std::size_t site) {
     worst = std::max(worst, lack);
     least = std::min(least, lack);
   }
-  // Only the point at rest is solved, so nothing could be compared.
+  // If only the point at rest is solved, nothing could be compared, and `worst` is still 0.
   if (worst == 0) worst = least = share;
   // Unsolved points get the largest error of the solved points; the point at rest gets the least.
   for (std::size_t slot = 0; slot < doubts.size(); ++slot)
@@ -443,7 +443,8 @@ void AreaField::eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vect
     const double x = near.offset.norm() / collocation_points_.reach();
     if (!(x < 1)) continue;
     near.collocation_point = &at_collocation_points_[at(number)];
-    // Neighbouring collocation points often share a tree, so its leaf is looked up only once.
+    // Neighbouring collocation points often share a tree, so the leaf is looked up only for a new
+    // tree.
     const CellTree* const tree = &trees_[near.collocation_point->tree];
     near.is_new_tree = near.tree != tree;
     if (near.is_new_tree) {
@@ -491,7 +492,8 @@ double AreaField::leastRadiusAt(const Eigen::Vector3d& s) const noexcept {
   return least;
 }
 
-/// Returns the weighted mean of the edges of all sites within reach.
+/// Returns the weighted mean of the edges of all sites within reach of s, and its derivatives with
+/// respect to s.
 AreaField::PlacedEdge AreaField::edgeAt(const Eigen::Vector3d& s,
                                         const Eigen::Vector3d& unit) const noexcept {
   const DirectionWeights direction(unit);
@@ -560,8 +562,8 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
 }
 
 /// Returns the derivative of the drive with respect to the displacement along a direction, N/m.
-/// energy_slope: dE/dp along the direction. The sums are as in inRegion(), but of derivatives along
-/// the direction instead of values.
+/// energy_slope: dE/dp along the direction. Computes the same sums as inRegion(), but with
+/// derivatives along the direction in place of values.
 Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                                       const Eigen::Vector3d& direction,
                                       double energy_slope) const noexcept {

@@ -15,7 +15,7 @@ namespace palpate {
 
 /// Sample of an area's energy for a finger at s with the displacement p.
 struct AreaSample : ForceSample {
-  /// N, T = -dE/ds, in space. Its tangential part moves the finger along the surface.
+  /// T = -dE/ds, N. Only its part tangential to the surface moves the finger.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
 };
 
@@ -37,9 +37,10 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 ///   each site, which may be refined (site_jets.hpp).
 /// - In s, the quantities are interpolated from the sites to *collocation points*, places that lie
 ///   closer together than the sites. The kernel interpolant reproduces E at each of the seven
-///   nearest sites, and its gradient and Hessian nearly (hermite_kernel.hpp). Few sites suffice,
-///   because the error falls with about the fifth power of the distance between sites. The lattice
-///   of a collocation point is refined wherever one of the lattices of its seven sites is refined.
+///   nearest sites exactly, and its gradient and Hessian approximately (hermite_kernel.hpp). Few
+///   sites suffice, because the error falls with about the fifth power of the distance between
+///   sites. The lattice of a collocation point is refined wherever one of the lattices of its seven
+///   sites is refined.
 /// - Around a collocation point, E is expanded to the second order in s. The expansions Q are
 ///   blended by a partition of unity (Shepard 1968). With d = s - collocation point:
 ///
@@ -55,9 +56,9 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 /// when it is interpolated from the sites around it, the distance of s from the sites
 /// (HermiteWeights::power), and a constant.
 ///
-/// The field can be prepared as a whole or only around a finger. The second is for web pages, which
-/// must not make the reader wait, and for commands that query few places. Both give exactly the
-/// same samples.
+/// The field can be prepared as a whole or only around a place. Web pages, which must not make the
+/// reader wait, and commands that query few places prepare only around a place. Both give exactly
+/// the same samples.
 ///
 /// One thread may prepare while no thread evaluates; otherwise any thread may evaluate.
 class AreaField {
@@ -92,16 +93,16 @@ class AreaField {
   /// do at s. Errors as in prepareAll().
   bool prepareNext(const Eigen::Vector3d& s);
   /// Prepares the site nearest to s that is not prepared yet. Returns false if all sites are
-  /// prepared. The sites are most of the work; the steps of prepareNext() after them are fast.
+  /// prepared. Preparing the sites is most of the work; later steps of prepareNext() are fast.
   bool prepareSite(const Eigen::Vector3d& s);
 
   /// Evaluates the energy at any s and p. s: metres, place on the surface at rest; p: displacement,
   /// metres.
   ///
   /// - Beyond the answered region around s, the sample is extrapolated (continuedBeyond() in
-  ///   answered_region.hpp). Inside and outside together have one energy E(s, p).
-  /// - If no site is within reach of s, the sample is not inside. It is zero if no collocation
-  ///   point is within reach either.
+  ///   answered_region.hpp). One energy E(s, p) covers both sides of the edge of the region.
+  /// - If no site is within reach of s, the sample is not inside. If no collocation point is within
+  ///   reach either, the sample is zero.
   /// - If s is not prepared, the sample is not inside and has no force.
   /// - With a single site the error bound is NaN, since no other site can check its expansion.
   ///
@@ -111,7 +112,7 @@ class AreaField {
   std::size_t siteCount() const { return sites_.points().size(); }
   std::size_t madeSites() const { return made_count_; }
   std::size_t collocationPointCount() const { return collocation_points_.points().size(); }
-  /// m, distance at which the influence of a site ends
+  /// distance at which the influence of a site ends, m
   double siteReach() const { return sites_.reach(); }
   /// Returns the indices of the sites within reach of a place, metres.
   std::vector<std::size_t> sitesAt(const Eigen::Vector3d& s) const;
@@ -160,9 +161,9 @@ class AreaField {
   bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
   bool isPreparedAt(const Eigen::Vector3d& s) const noexcept;
 
-  /// Interpolates these collocation points and judges these sites, unless that is done already.
-  /// First prepares the sites that this requires. Several threads call `did`, each with the work
-  /// that it has just finished.
+  /// Interpolates to these collocation points and judges these sites, unless that is done already.
+  /// First prepares the sites from which they are computed. Several threads call `did`, each with
+  /// the amount of work that it has just finished (work_of_site).
   void prepare(const std::vector<std::size_t>& collocation_points,
                const std::vector<std::size_t>& judged, const std::function<void(std::size_t)>& did);
   bool makeOneOf(const std::vector<std::size_t>& sites);

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Returns energy, force and stiffness at every slot of a tree (a slot is a grid position where
-/// leaves meet), for methods that interpolate nodal data. The data depend on the kind of the slot:
+/// Returns energy, force and stiffness at every slot of a tree (a slot is a corner that leaves
+/// share), for methods that interpolate nodal data. The data depend on the kind of the slot:
 ///
 ///   solved   the data of the lattice point
 ///   ghost    not solved: the values of a local polynomial of the energy (energy_jets.hpp)
@@ -17,8 +17,8 @@ namespace palpate {
 /// polynomial differs too much from the forces of these points, its degree is lowered, down to 2.
 ///
 /// ghosts: ghostPolynomials of the same tree and space, one per slot; no polynomial is fitted to
-/// both ends of an inconsistent edge. The result is the same on all machines of one kind. Any
-/// thread.
+/// both ends of an inconsistent edge. The result is bitwise the same on all machines of the same
+/// type. Any thread.
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
                                         const std::vector<LocalPolynomial>& ghosts);
 

@@ -22,7 +22,7 @@ class CellField : public ForceField {
   std::string_view name() const final { return name_; }
 
  protected:
-  /// Kind of edges that set the flags, and quantities that the limiter changes.
+  /// Which edges set the flags, and which quantities the limiter changes.
   enum class Limit {
     /// inconsistent edges; changes only the error bound, because the method limits its force itself
     bound,

@@ -10,7 +10,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t table_size = 768;
-/// Table directions closer than this chord have a non-zero weight; these are about twelve.
+/// Table directions have a non-zero weight if their chord to the given direction is shorter than
+/// this. There are about twelve.
 constexpr double reach = 0.25;
 
 std::vector<Eigen::Vector3d> fibonacciLattice() {

@@ -18,7 +18,7 @@ struct DirectionWeights {
   explicit DirectionWeights(const Eigen::Vector3d& unit) noexcept;
 
   static constexpr std::size_t most = 32;
-  std::size_t size = 0;                         ///< used entries of the arrays
+  std::size_t size = 0;                         ///< number of used entries of the arrays
   std::array<std::uint16_t, most> numbers;      ///< indices in tableDirections()
   std::array<double, most> weights;             ///< sum: 1
   std::array<Eigen::Vector3d, most> gradients;  ///< of the weights, tangential to the sphere

@@ -56,7 +56,7 @@ bool DisplacementField::evaluate(const Eigen::Vector3d& displacement,
 void DisplacementField::evaluateIn(const LeafPlace& place, std::span<float> out) const noexcept {
   const std::array<double, 8> weights = trilinearWeights(place.local);
   std::ranges::fill(out, 0.0f);
-  // Each pass adds rows_at_once modes. Unused slots of the last pass hold the first mode with
+  // Each pass adds rows_at_once modes. Unused entries of the last pass hold the first mode with
   // factor 0.
   for (std::size_t first = 0; first < modeCount(); first += rows_at_once) {
     std::array<const float*, rows_at_once> rows;

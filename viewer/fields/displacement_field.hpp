@@ -31,7 +31,7 @@ class DisplacementField {
   /// Fills `out` with the displacements of all nodes, [node][axis], metres, for any displacement of
   /// the active node (metres). A displacement outside the ball gives the shape at the nearest point
   /// of the ball's surface; NaN gives the shape at rest. Returns whether the displacement is in the
-  /// ball, in a leaf with a solved corner. Real time: does not allocate, lock, throw or log.
+  /// ball and its leaf has a solved corner. Real time: does not allocate, lock, throw or log.
   bool evaluate(const Eigen::Vector3d& displacement, std::span<float> out) const noexcept;
 
   std::size_t modeCount() const { return static_cast<std::size_t>(modes_.rows()); }

@@ -21,8 +21,8 @@ struct ForceSample {
   /// (branch_check.hpp). 1 if all eight corners are reliable, 0 if everything is extrapolated.
   double coverage = 0;
   /// Whether the displacement is in the answered region (answered_region.hpp) and a corner of the
-  /// cell around it is solved. Beyond that region the sample is a continuation, which only gets
-  /// stiffer and is not reliable; the error bound grows with the added force. False for a NaN
+  /// cell around it is solved. Beyond the region the sample is a continuation: the force only gets
+  /// stiffer and is not reliable, and the error bound grows with the added force. False for a NaN
   /// displacement, for which the force is zero.
   bool inside = false;
   double beyond = 0;  ///< m, length of the displacement's part beyond the answered region

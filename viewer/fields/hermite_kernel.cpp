@@ -19,7 +19,7 @@ constexpr double ridge = 1e-10;
 /// and 3 to 9. docs/internals/measurements.md has the errors with other values.
 constexpr std::array<double, 3> noise = {0, 1e-4, 3e-3};
 
-/// List of up to four axes, one per differentiation.
+/// The axes of up to four successive differentiations.
 struct Axes {
   std::array<int, 4> axis{};
   int count = 0;
@@ -76,7 +76,7 @@ class Kernel {
 using Block = Eigen::Matrix<double, place_quantities, place_quantities>;
 
 /// Returns the covariances of the quantities at `to` (rows) and `from` (columns), which are
-/// derivatives of the kernel with respect to both places. The quantities are here the energy and
+/// derivatives of the kernel with respect to both places. Here, the quantities are the energy and
 /// its derivatives, without the minus signs of T and dT/ds.
 Block blockOf(const Eigen::Vector3d& to, const Eigen::Vector3d& from, double width) {
   const Kernel kernel((to - from) / width);

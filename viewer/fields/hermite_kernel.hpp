@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Number of quantities of an energy at a place s: E, T = -dE/ds (3) and dT/ds = -d2E/ds2 (6, by
-/// symmetric_axes).
+/// Number of quantities of an energy at a place s: E (1), T = -dE/ds (3) and dT/ds = -d2E/ds2 (6,
+/// in the order of symmetric_axes).
 inline constexpr int place_quantities = 10;
 
 struct HermiteWeights {
@@ -20,10 +20,10 @@ struct HermiteWeights {
   double power = 0;
 };
 
-/// Returns the weights that interpolate the quantities in space. The quantities at `place` are
-/// `coefficients` times the stacked quantities of all `sites`. The kernel of the interpolation
-/// (Hermite-Birkhoff; Wu 1992) is the inverse multiquadric 1 / sqrt(1 + r^2 / width^2), which is
-/// positive definite.
+/// Returns the weights that interpolate the quantities from `sites` to `place`: the quantities at
+/// `place` are `coefficients` times the stacked quantities of all sites. The kernel of the
+/// interpolation (Hermite-Birkhoff; Wu 1992) is the inverse multiquadric 1 / sqrt(1 + r^2 /
+/// width^2), which is positive definite.
 ///
 /// E is exact at the sites. T and dT/ds are treated as noisy data (kriging with a nugget). Sites
 /// without a solution at the displacement have extrapolated values, and neighbouring sites may lie

@@ -8,16 +8,16 @@
 namespace palpate {
 
 /// Corrects samples of an area's energy by equilibria that the live solver found near the hand
-/// (worker/solver/follower.hpp). The last two of them are blended with the area by a partition of
-/// unity,
+/// (worker/solver/follower.hpp). The last two equilibria are blended with the area by a partition
+/// of unity,
 ///
 ///   E(s, p) = (b E_area(s, p) + sum of w_n E_n(s, p)) / (b + sum of w_n),
 ///
 /// where E_n is the third-order expansion of the energy at equilibrium n. The weight w_n falls
 /// steeply with the distance of (s, p) from that equilibrium and is zero beyond its reach; b is a
 /// small constant. So E follows the live solver near an equilibrium, and the area far from both.
-/// When an expansion is added, the blend fades to the new pair. Force and drive are the gradient of
-/// one energy while neither the expansions nor the fade change.
+/// When an expansion is added, the blend fades to the new pair. While neither the expansions nor
+/// the fade change, force and drive are the negative gradient of one energy.
 ///
 /// One thread. Real time: does not allocate, lock, throw or log.
 class LiveCorrection {
@@ -28,8 +28,8 @@ class LiveCorrection {
   /// `finger_radius`: m.
   explicit LiveCorrection(double finger_radius);
 
-  /// Begins to fade to this expansion and the one before, within `seconds`, 0 or more. A fade in
-  /// progress continues at its rate, toward the new pair.
+  /// Begins to fade to the pair of this expansion and the previous one, within `seconds`, 0 or
+  /// more. A fade in progress continues at its rate, toward the new pair.
   void add(const Expansion& expansion, double seconds) noexcept;
   void advance(double seconds) noexcept;
   /// Begins to fade to the area alone.
@@ -58,7 +58,7 @@ class LiveCorrection {
 
   const double reach_;  ///< m
   Pair before_, now_;
-  double level_ = 1;  ///< of the fade from before_ to now_
+  double level_ = 1;  ///< progress of the fade from before_ to now_, 0 to 1
   double rate_ = 0;   ///< 1/s
 };
 

@@ -10,12 +10,12 @@
 namespace palpate {
 namespace {
 
-/// Number of solved points from which a ghost is extrapolated. It is large enough that they span
-/// the space even if they form a flat rim.
+/// Number of solved points from which a ghost is extrapolated. This many points span three
+/// dimensions even if they form a flat rim.
 constexpr std::ptrdiff_t most_sources = 20;
 
 /// Returns the slots of `solved` that are nearest to a ghost (a slot without a solution of its
-/// own), nearest first. Leaves out slots that are not on the branch of the first.
+/// own), nearest first. Leaves out slots that are not on the same branch as the first slot.
 std::vector<std::int32_t> sourcesOf(std::span<const std::int32_t> solved, const CellBranches& data,
                                     std::int32_t ghost) {
   const LatticePoint& center = data.tree.slots()[at(ghost)].point;

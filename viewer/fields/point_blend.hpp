@@ -22,14 +22,13 @@ using PointRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// Interpolation is tri-linear in the leaf around a displacement. A ghost corner is extrapolated
 /// from the nearest solved corners, at most 20, but only from those on the branch of the nearest.
 /// The extrapolation is exact for linear functions, and nearer points weigh more. If these corners
-/// do not span the space, only the nearest is used. A hanging corner is interpolated in its coarser
-/// leaf. Factors sum to 1; some may be negative.
+/// do not span three dimensions, only the nearest is used. A hanging corner is interpolated in its
+/// coarser leaf. Factors sum to 1; some may be negative.
 ///
 /// Immutable: any number of threads may read at the same time.
 class PointBlend {
  public:
-  /// Copies the data that it needs. Error if no point of the space is solved, or none that is a
-  /// corner of a cell.
+  /// Copies the data that it needs. Error if no solved point is a corner of a cell.
   explicit PointBlend(const SpaceTable& space);
 
   const CellTree& tree() const { return tree_; }

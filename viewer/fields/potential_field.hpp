@@ -14,9 +14,9 @@ namespace palpate {
 /// When the body jumps to another branch, it loses energy that the forces at the ends of the edge
 /// do not account for. A conservative interpolant must release this energy within one leaf. Its
 /// mean force along the edge therefore exceeds the forces at the ends by the lost energy divided by
-/// the length of the edge. In the middle of a quintic, the excess is 1.9 times as large. Moving the
-/// energies at both ends towards each other spreads the excess over the leaf and its neighbours
-/// along the edge.
+/// the length of the edge. In the middle of a quintic polynomial, the excess is 1.9 times its mean.
+/// Moving the energies at both ends towards each other spreads the excess over the leaf and its
+/// neighbours along the edge.
 ///
 /// The corrections x minimise
 ///

@@ -5,8 +5,8 @@
 namespace palpate {
 
 /// Pressures of all visible nodes, interpolated between the configurations of one space.
-/// DisplacementField interpolates displacements in the same way, so the pressures fit the drawn
-/// shape.
+/// Displacements are interpolated in the same way (DisplacementField), so the pressures fit the
+/// drawn shape.
 ///
 /// Compression is positive. At a solved displacement the pressures are exactly the stored values,
 /// because each solved slot stores its row, 4 bytes per node. Visible nodes are vertices of the

@@ -79,8 +79,8 @@ RbfWeights solveRbfWeights(const SpaceTable& space, RbfKernel kernel) {
   const Eigen::PartialPivLU<Eigen::MatrixXd> factors(matrix);
   solution.condition = 1 / factors.rcond();
   solution.weights = factors.solve(force);
-  // One step of iterative refinement recovers the last digits, which a large condition number
-  // costs.
+  // One step of iterative refinement recovers the last digits, which are lost if the condition
+  // number is large.
   solution.weights += factors.solve(force - matrix * solution.weights);
   const double largest = force.cwiseAbs().maxCoeff();
   const double error = (force - matrix * solution.weights).cwiseAbs().maxCoeff();

@@ -13,14 +13,14 @@ enum class RbfKernel { linear, cubic };  ///< phi(r) = r, r^3
 ///   force(p) = sum over solved points i of  w_i phi(|p - p_i| / spacing)
 struct RbfWeights {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  Rows position;         ///< of the solved points, in lattice order; in spacings
+  Rows position;         ///< positions of the solved points, in lattice order; in spacings
   Rows weights;          ///< N, of the solved points
   double condition = 0;  ///< of the matrix phi(|p_i - p_j|), estimated in the 1-norm
   /// Largest error of a force component at a solved point, relative to the largest force component;
   /// infinite if the system has no solution.
   double residual = 0;
 
-  /// Returns whether the residual is only round-off. If it is not, the weights are useless.
+  /// Returns whether the residual is only round-off. Otherwise the weights are useless.
   bool accurate() const { return residual <= 1e-8; }
 };
 

@@ -2,8 +2,8 @@
 
 namespace palpate {
 
-/// Smallest force by which an error is divided to get a relative error, N. It avoids division by
-/// zero, and is about the friction of a haptic device, below which a hand feels nothing.
+/// Smallest force by which an error is divided to get a relative error, N. This limit avoids
+/// division by zero. It is about the friction of a haptic device, below which a hand feels nothing.
 inline constexpr double relative_error_floor = 0.05;
 
 /// Relative force error that most datasets are built to meet.

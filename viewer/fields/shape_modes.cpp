@@ -35,7 +35,7 @@ void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
   }
 }
 
-/// Returns the parts that `modes` do not reproduce, for the shapes with an error above the
+/// Returns the parts that `modes` do not reproduce, one row for each shape with an error above the
 /// tolerance.
 ShapeRows missedBy(const ShapeRows& modes, const ShapeRows& shapes, float tolerance) {
   ShapeRows found(0, shapes.cols());

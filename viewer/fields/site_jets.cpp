@@ -57,7 +57,7 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
   const std::vector<EnergyJet> energies = energyJets(tree, polynomials);
   p_error = FieldError(tree, polynomials, energies, data.suspect);
   setQuantity(jets, 0, energies);
-  // The space's points with another quantity in place of the energy, so that the functions for
+  // `view` is the space with another quantity in place of the energy, so that the functions for
   // energies also interpolate that quantity. Points that are excluded from the interpolation of the
   // energy are excluded for every quantity.
   const std::vector<bool> interpolated = interpolatedPoints(space);

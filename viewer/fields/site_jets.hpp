@@ -33,8 +33,8 @@ struct SiteJets {
   SiteJets(const SpaceTable& space, SiteFits& fits)
       : SiteJets(CellData(space, fits.energy), space, fits) {}
 
-  /// Returns a leaf that contains a lattice position, also on its boundary. The position may come
-  /// from the tree of another site of the area, because all have the same ball.
+  /// Returns a leaf that contains a lattice position, in its interior or on its boundary. The
+  /// position may come from the tree of another site of the area, because all have the same ball.
   LeafPlace placeOf(const LatticePoint& point) const;
   SiteJet at(const LeafPlace& place) const;
 

@@ -49,9 +49,9 @@ Node tricubicAt(const LeafCorners& corners, const std::vector<Node>& nodes,
 ///
 /// A slot (grid vertex) has the level of the coarsest leaf of which it is a corner. A hanging slot
 /// has the level of the coarser leaf from which it is interpolated. Along each axis, the neighbour
-/// of a slot is the slot one edge length away, at the slot's own level or, if there is none, at the
-/// next coarser level that has one. A slot thus never depends on finer levels, so levels can be
-/// evaluated from coarse to fine.
+/// of a slot is the slot one edge length away. The edge length is that of the slot's own level or,
+/// if no slot is there, of the next coarser level that has one. A slot thus never depends on finer
+/// levels, so levels can be evaluated from coarse to fine.
 class SlotDifferences {
  public:
   /// `data` must outlive this object.
@@ -104,8 +104,8 @@ class SlotDifferences {
   /// Returns the nearest slot in a direction with data that are known when `slot` is evaluated; -1
   /// if there is none.
   std::int32_t neighbour(std::int32_t slot, int axis, int direction, std::int32_t level) const {
-    // Begins with the edge length of the slot's own leaves, because the neighbour may belong only
-    // to coarser leaves.
+    // Tries the edge length of `level` first, then longer ones, because the neighbour may belong
+    // only to coarser leaves.
     for (std::int32_t l = level; l >= 0; --l) {
       LatticePoint point = data_.tree.slots()[at(slot)].point;
       point[at(axis)] += direction * (data_.divisions >> l);
@@ -140,7 +140,8 @@ std::vector<Node> makeNodes(const CellData& data) {
   for (std::int32_t slot = 0; slot < count; ++slot)
     nodes[at(slot)].col(0).head<3>() = data.equilibria[at(slot)].force;
   for (std::int32_t level = 0; level <= differences.deepest(); ++level) {
-    // A mixed derivative is the difference of the derivative without its last axis.
+    // A mixed derivative is the finite difference, along its last axis, of the derivative without
+    // that axis.
     for (const int column : {1, 2, 4, 3, 5, 6, 7}) {
       const int axis = column >= 4 ? 2 : column >= 2 ? 1 : 0;
       for (std::int32_t slot = 0; slot < count; ++slot)

@@ -9,11 +9,11 @@ namespace palpate {
 /// dy^b dz^c, a, b, c <= 1, at the corners. The derivatives are finite differences of the forces,
 /// so a cell depends on the 4 x 4 x 4 points around it. All leaves around a slot use the same
 /// derivatives, so the force has continuous first derivatives, also between leaves of different
-/// level. The error is proportional to spacing^3. Not conservative; the stiffness (its exact
-/// derivative) need not be symmetric.
+/// level. The error is proportional to spacing^3. The force is not conservative, and the stiffness
+/// (its exact derivative) need not be symmetric.
 ///
-/// Ghosts replace unsolved points. A corner has at most the coverage of the points in its finite
-/// differences, so 0 if one of them is a ghost.
+/// Ghosts replace unsolved points. A corner's coverage is at most the smallest coverage of the
+/// points in its finite differences, so it is 0 if one of them is a ghost.
 class TricubicField : public CellField {
  public:
   /// Error if no point of the space is solved.

@@ -10,8 +10,8 @@ namespace palpate {
 /// The stiffness (its exact derivative) jumps between leaves and need not be symmetric.
 ///
 /// Error bound: for each axis, the largest change of stiffness along an edge of the leaf, times the
-/// length of the edge, divided by eight; summed over the axes. This is the error of linear
-/// interpolation if the stiffnesses give the curvature.
+/// length of the edge, divided by eight; summed over the axes. This is the standard bound |f''| h^2
+/// / 8 for linear interpolation, with f'' estimated from the stiffnesses.
 class TrilinearField : public CellField {
  public:
   /// Error if no point of the space is solved.
