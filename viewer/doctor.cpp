@@ -134,7 +134,7 @@ Finding haplyService() {
                             port)};
 }
 
-/// Runs the worker to find out, because the viewer does not link OpenBLAS.
+/// Asks the worker for its kernels, because the viewer does not link OpenBLAS.
 Finding solverKernels() {
   constexpr const char* topic = "solver kernels";
   std::string worker;

@@ -23,7 +23,7 @@ bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanw
     if (meanwhile && !meanwhile(model, model.preparedShare(0))) stop.request_stop();
   };
   look();
-  // Prepare on another thread. This one can then show the progress, which matters for a large
+  // Prepare on another thread, so that this thread can show the progress, which matters for a large
   // dataset.
   auto prepared = std::async(std::launch::async, [&] { model.prepare(0, stop.get_token()); });
   auto tell = std::chrono::steady_clock::now() + tell_every;

@@ -21,7 +21,7 @@ namespace {
 
 using std::filesystem::path;
 
-/// Nodes with which the solver keeps up with a hand (docs/evaluation.md).
+/// Number of nodes with which the solver keeps up with a hand (docs/evaluation.md).
 constexpr std::int32_t usual_nodes = 500;
 
 struct TouchOptions {
@@ -37,7 +37,7 @@ bool isSurface(const path& file) {
   });
 }
 
-/// Removes a new mesh, unless the scene is made as well.
+/// Removes a new mesh if the scene could not be made.
 struct Unfinished {
   ~Unfinished() {
     std::error_code ignored;
@@ -57,8 +57,8 @@ void refuseOlder(const path& organ, std::initializer_list<path> made) {
                    organ.string(), older);
 }
 
-/// Runs a verb of palpate-worker to its end, with its warnings and errors. Logs those lines of its
-/// output that begin with one of the words `told`.
+/// Runs a verb of palpate-worker to its end and passes on its warnings and errors. Logs the lines
+/// of its output whose first word is in `told`.
 ExitCode runWorker(std::vector<std::string> words, const std::string& unit,
                    std::initializer_list<std::string_view> told) {
   words.insert(words.begin(), programBeside("palpate-worker").string());
@@ -75,8 +75,8 @@ ExitCode runWorker(std::vector<std::string> words, const std::string& unit,
   return static_cast<ExitCode>(ran.exit_code);
 }
 
-/// Makes `scene`, and first the mesh, unless these files exist. Returns the exit code of the
-/// program that failed.
+/// Makes the mesh and then `scene`, unless these files exist. Returns the exit code of the program
+/// that failed.
 ExitCode makeScene(const TouchOptions& options, const path& scene) {
   const path& organ = options.organ;
   const bool is_made = organ == scene || organ.extension() == ".msh";

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double most_ticks_per_second = 10000;
 
-/// Checks the options before anything is opened. Otherwise another problem could hide a wrong
-/// option.
+/// Checks the options. Call it before anything is opened, because another problem could hide a
+/// wrong option.
 void check(const ViewOptions& options) {
   checkDeviceWord(options.device);
   if (!(options.rate >= 100 && options.rate <= most_ticks_per_second))

@@ -37,7 +37,7 @@ constexpr auto look_every = std::chrono::milliseconds(500);  // interval for che
 /// multiple of the time that a replacement takes.
 constexpr int rest_of_growth = 4;
 /// Number of unfinished sites around the finger that the build computes first. The force at a place
-/// depends on about so many sites.
+/// depends on about this many sites.
 constexpr std::size_t preferred_sites = 12;
 
 DeviceProfile profileNamed(std::string_view word) {
@@ -46,7 +46,7 @@ DeviceProfile profileNamed(std::string_view word) {
   return *known;
 }
 
-/// One run of the haptic client with its datasets, device, haptic loop, picture and recording. The
+/// One run of the haptic client with its datasets, device, haptic loop, window and recording. The
 /// thread that constructs the session also draws.
 class ViewSession {
  public:
@@ -104,8 +104,8 @@ class ViewSession {
   }
 
  private:
-  /// Puts a dataset without solutions in the place of a scene, which is then solved around the
-  /// hand.
+  /// If a scene is given instead of a dataset, replaces it by a dataset without solutions. The
+  /// scene is then solved near the hand.
   ViewOptions resolved(ViewOptions options) {
     std::filesystem::path& first = options.datasets.front();
     if (first.extension() != ".toml") return options;
@@ -141,7 +141,7 @@ class ViewSession {
     picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
   }
 
-  /// Prepares the forces while the picture shows the body at rest.
+  /// Prepares the forces while the window shows the body at rest.
   void prepareFirst() {
     HapticState nobody;
     nobody.reading.status = DeviceStatus::away;
@@ -169,7 +169,7 @@ class ViewSession {
     return asked ? smallerOf(device_->profile(), wantedProfile()) : device_->profile();
   }
 
-  /// Starts to follow the hand. Throws the errors of followedRadius().
+  /// Starts live solving near the hand. Throws the errors of followedRadius().
   void startLive() {
     const HapticModel& model = loaded_->first();
     if (!unsolved_) followed_ = loadProblem(options_.live);
@@ -284,7 +284,7 @@ class ViewSession {
     loop_.reset();
   }
 
-  /// Checks the files on disk, problems and the statistics, which change slowly.
+  /// Checks the files on disk, the problems and the statistics, all of which change slowly.
   void look() {
     const auto now = std::chrono::steady_clock::now();
     if (now - looked_ < look_every) return;
@@ -298,7 +298,7 @@ class ViewSession {
     doubtPosition();
     if (retired_ && isRetiredUnused()) retired_.reset();
     if (build_) lookAtBuild();
-    // The build itself replaces the results so far.
+    // The build replaces the file of its results so far, and lookAtBuild() loads the new ones.
     const bool grows = unsolved_ && options_.datasets.front() != options_.build;
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
     if (grows || !replaced || !status_.notice.empty()) return;
@@ -307,7 +307,7 @@ class ViewSession {
     spdlog::warn("{}", status_.notice);
   }
 
-  /// Prefers the unfinished site nearest to the finger, and takes over what the build has found.
+  /// Loads the newer results of the build, and tells the build which sites to compute first.
   void lookAtBuild() {
     if (const std::optional<int> code = build_->exitCode()) {
       const bool complete = *code == 0 || *code == 3;
@@ -326,7 +326,8 @@ class ViewSession {
     preferUnfinished();
   }
 
-  /// Prefers the unfinished sites around the finger, the nearest one first.
+  /// Asks the build to compute the unfinished sites around the finger first, beginning with the
+  /// nearest.
   void preferUnfinished() {
     const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
     if (!touch.touching) return;
@@ -428,7 +429,8 @@ class ViewSession {
     spdlog::info("reloaded");
   }
 
-  /// Replaces the models while the loop runs and the picture stays open.
+  /// Replaces the models by newer results of the build, while the loop runs and the window stays
+  /// open.
   void followGrowth() {
     if (!growth_ || !growth_->ended()) return;
     const auto now = std::chrono::steady_clock::now();
@@ -458,8 +460,8 @@ class ViewSession {
     spdlog::info("{} of {} can be felt as computed", finished, counted(spaces.size(), "site"));
   }
 
-  /// Returns whether the loop has carried out the replacement. The tick after the last one that was
-  /// known when the command was sent may have begun before; the next one has not.
+  /// Returns whether the loop has carried out the replacement. Tick retired_tick_ + 1 may have
+  /// begun before the command was sent; tick retired_tick_ + 2 begins after it.
   bool isRetiredUnused() const { return !loop_ || loop_->latest().tick >= retired_tick_ + 2; }
 
   /// Sends a command to the haptic thread; without a loop, no other thread uses the tick.
@@ -527,7 +529,7 @@ class ViewSession {
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
 
-  std::optional<Problem> followed_;          ///< of the scene, until the live solver has it
+  std::optional<Problem> followed_;          ///< problem of the scene, until the live solver has it
   std::optional<UnsolvedDataset> unsolved_;  ///< if the user gave a scene
   std::filesystem::path scene_;              ///< file of that scene
   ViewOptions options_;
@@ -540,13 +542,13 @@ class ViewSession {
   std::unique_ptr<HapticDevice> device_;
   std::optional<LiveTouch> live_;  ///< with --live
   ContentId build_id_;             ///< problemId of the scene that is followed
-  ContentId live_build_;           ///< build_id_, or that of the dataset without solutions
+  ContentId live_build_;           ///< build id of the model that the live solver corrects
   std::optional<LiveLink> link_;
   std::optional<BuildBeside> build_;
   std::unique_ptr<HapticTick> tick_;
   std::optional<Recorder> recorder_;
   std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped()
-  LoopStatistics statistics_;         ///< of all loops that have ended; if stepped(), of the ticks
+  LoopStatistics statistics_;         ///< sum over ended loops; if stepped(), over ticks
   std::uint64_t ticks_ = 0;           ///< ticks to run; 0: no limit
   PictureStatus status_;
   std::string said_;  ///< the problem that was logged last

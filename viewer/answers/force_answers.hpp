@@ -21,8 +21,9 @@ class ForceAnswers {
   /// active: name of an active node or an area; may be empty if the dataset has only one.
   /// with_places: whether touches have a place (--at). The dataset must outlive this object.
   ///
-  /// Error (bad input) for an unknown name or method, for places without a finger, and for an area
-  /// without places. With places, the method must be the first of forceFieldMethods().
+  /// Error (bad input) for an unknown name or method, for touches with places if `active` is not a
+  /// finger, and for touches without places on an area. With places, the method must be the first
+  /// of forceFieldMethods().
   ForceAnswers(const Dataset& dataset, const std::string& active, bool with_places,
                const std::string& method);
 

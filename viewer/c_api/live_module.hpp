@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// What palpate_live_start asks for. Pointers are NULL as in palpate_live_options.
+/// The arguments of palpate_live_start. Pointers may be NULL as in palpate_live_options.
 struct LiveRequest {
   const char* scene;
   bool unsolved;  ///< no dataset is given
@@ -14,8 +14,8 @@ struct LiveRequest {
 };
 
 /// A live solver for libpalpate. Its code is in a module that libpalpate loads when it is needed,
-/// so that simulators that do not follow a hand load neither ZeroMQ nor Protobuf, of which they may
-/// have other versions. Any thread.
+/// so that simulators without live solving load neither ZeroMQ nor Protobuf, which they may use in
+/// other versions. Any thread.
 class LiveService {
  public:
   virtual ~LiveService() = default;  ///< ends the live solver
@@ -23,7 +23,7 @@ class LiveService {
   /// was given.
   virtual std::string unsolved() const = 0;
   virtual ContentId build() const = 0;  ///< problemId of the scene
-  /// Starts to follow `touch`, which must outlive this object, and waits until the live solver is
+  /// Starts the live solver for `touch`, which must outlive this object, and waits until it is
   /// ready. Call once. Throws std::runtime_error if the live solver has trouble.
   virtual void start(LiveTouch& touch) = 0;
   virtual std::string trouble() const = 0;  ///< as LiveLink::trouble(); after start()

@@ -10,8 +10,8 @@ namespace palpate {
 
 /// A dataset with the live solver that corrects it.
 struct LiveScene {
-  /// Throws the errors of followedRadius() and LiveService::start(). guessed: there is no dataset
-  /// (UnsolvedDataset).
+  /// Throws the errors of followedRadius() and LiveService::start(). guessed: `corrected` is an
+  /// UnsolvedDataset.
   LiveScene(std::shared_ptr<const LoadedDataset> corrected, std::unique_ptr<LiveService> solver,
             bool guessed, double period_s)
       : loaded(std::move(corrected)),
@@ -25,7 +25,7 @@ struct LiveScene {
   const double period;  ///< s
   LiveTouch touch;
   const std::unique_ptr<LiveService> service;  ///< ends before `touch`
-  std::atomic<bool> in_use = false;            ///< by a contact
+  std::atomic<bool> in_use = false;            ///< whether a contact uses this object
 };
 
 }  // namespace palpate

@@ -25,8 +25,8 @@ constexpr unsigned cores_left = 2;
 
 std::string stateOf(const std::filesystem::path& output) { return output.string() + ".state"; }
 
-/// Returns the exit code of a child that has ended; nullopt while it runs. Error if the system
-/// refuses.
+/// Returns the exit code of a child that has ended; nullopt while it runs. Error if waitpid()
+/// fails.
 std::optional<int> exitCodeOf(pid_t child) {
   int status = 0;
   const pid_t ended = waitpid(child, &status, WNOHANG);
@@ -35,7 +35,7 @@ std::optional<int> exitCodeOf(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/// Runs a verb of palpate. Returns whether it has done its work.
+/// Runs a verb of palpate. Returns whether it succeeded.
 bool palpate(std::vector<std::string> words) {
   words.insert(words.begin(), programBeside("palpate").string());
   try {
@@ -100,9 +100,9 @@ void BuildBeside::run(const std::stop_token& stop) {
   exit_code_ = code;
 }
 
-/// Raises the priority of one preferred space above those of all spaces before: of the farthest one
-/// that was never raised, or otherwise of the nearest. A build that does not listen yet refuses,
-/// and is asked again.
+/// Raises the priority of one preferred space above all priorities so far. Chooses the farthest
+/// space that was not raised yet; if there is none, the nearest. If the build does not accept
+/// commands yet, a later call tries again.
 void BuildBeside::passPreference() {
   std::string space;
   {
@@ -119,8 +119,8 @@ void BuildBeside::passPreference() {
   passed_ = space;
 }
 
-/// Writes the dataset of the results so far, if it was asked for. A build that has no results yet
-/// refuses, and is asked again.
+/// Writes the dataset of the results so far, if it was asked for. If the build has no results yet,
+/// a later call tries again.
 void BuildBeside::sealResults() {
   {
     const std::lock_guard lock(mutex_);

@@ -29,7 +29,7 @@ constexpr double speed_time = 0.004;
 
 }  // namespace
 
-/// A live solver with its socket in a directory that only this user can open.
+/// A live solver as a child process. Its socket lies in a directory that only this user can open.
 struct LiveLink::Follower {
   explicit Follower(const std::string& worker) {
     pid = startChild({worker.empty() ? programBeside("palpate-worker").string() : worker, "follow",
@@ -103,7 +103,7 @@ void LiveLink::run(const std::stop_token& stop) {
   follower_.reset();
 }
 
-/// Serves one connection. Returns if it fails, or when `stop` is requested.
+/// Keeps one connection. Returns when the connection fails or `stop` is requested.
 void LiveLink::attend(const std::stop_token& stop) {
   if (std::string trouble = connect(); !trouble.empty()) return tell(std::move(trouble));
   if (!greet(stop)) return;
@@ -151,7 +151,8 @@ bool LiveLink::greet(const std::stop_token& stop) {
   return false;
 }
 
-/// Sends the hand, waits for the equilibrium near it, and gives it to the haptic loop.
+/// Sends the state of the hand, waits for the equilibrium near the hand, and gives the equilibrium
+/// to the haptic loop.
 void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const bool follows = before_.touching && hand.time > before_.time;
   if (hand.touching && follows && hand.time - before_.time < speed_time)

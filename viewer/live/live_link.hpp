@@ -14,20 +14,21 @@
 namespace palpate {
 
 struct LiveLinkOptions {
-  std::string problem;                 ///< encodeProblem()
-  std::string endpoint;                ///< of a live solver; empty: start one on this machine
+  std::string problem;   ///< encodeProblem()
+  std::string endpoint;  ///< endpoint of a live solver; empty: start one on this machine
   std::optional<KeyFolder> keys = {};  ///< nullopt if the live solver needs no key
-  std::string worker = {};  ///< path of palpate-worker; empty: the one beside this program
+  std::string worker = {};  ///< path of palpate-worker; empty: in the folder of this program
 };
 
 /// Asks a live solver (`palpate follow`) for the equilibria near the hand, in a thread of its own.
-/// If the live solver ends, hangs or cannot be reached, it is started or connected again, and
-/// trouble() reports it. Meanwhile the haptic loop continues with the last equilibria.
+/// If the live solver ends, hangs or cannot be reached, it is restarted or the connection is
+/// renewed, and trouble() reports the problem. Meanwhile the haptic loop continues with the last
+/// equilibria.
 class LiveLink {
  public:
   /// `touch` must outlive this object. Error (bad input) for an invalid endpoint.
   LiveLink(LiveTouch& touch, LiveLinkOptions options);
-  ~LiveLink();  ///< ends the live solver if it was started here
+  ~LiveLink();  ///< ends the live solver if this object started it
 
   /// Waits at most this long until the live solver is ready or a problem is known. Returns whether
   /// it is ready.
@@ -38,7 +39,7 @@ class LiveLink {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Follower;  ///< a live solver that was started here
+  struct Follower;  ///< a live solver that this object started
 
   // On the link's thread.
   void run(const std::stop_token& stop);

@@ -21,8 +21,8 @@ constexpr float share_steps = 127;
 constexpr float mode_steps = 32767;
 
 /// Number of bytes left out of each rounded double, which keeps 37 significant bits. Single
-/// precision, in which the fields store these numbers, would not suffice: forces of stiff organs
-/// were wrong by up to 1.7e-6 N.
+/// precision, in which the fields store these numbers, would not suffice: with it, forces of stiff
+/// organs were wrong by up to 1.7e-6 N.
 constexpr std::size_t left_out_bytes = 2;
 static_assert(std::endian::native == std::endian::little, "bytes must be little-endian");
 
@@ -87,7 +87,7 @@ class OrganReader {
   std::string_view bytes_;
 };
 
-/// Whether the bytes of a value are all that there is to carry.
+/// Whether copying the bytes of a value carries the whole value.
 template <class Value>
 constexpr bool is_plain = std::is_trivially_copyable_v<Value> ||
                           (std::is_same_v<Value, Eigen::Vector3d> &&

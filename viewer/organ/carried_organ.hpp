@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Limit of the number of vertices. A page draws with indices of 16 bits.
+/// Limit of the number of vertices, because a page draws with indices of 16 bits.
 inline constexpr std::size_t most_carried_vertices = 65536;
 
 /// A touchable part of an organ: an active node with its patch, or a surface that a finger touches
@@ -20,7 +20,7 @@ struct CarriedTouch {
   double finger_radius = 0;          ///< m; 0: no finger
   /// m, rest position of the active node. Unused for a finger, which rests wherever it touches.
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();
-  /// m, for a surface: AreaField::collocationPointsOf
+  /// collocation points of a surface, m (AreaField::collocationPointsOf)
   std::vector<Eigen::Vector3d> collocation_points = {};
 };
 

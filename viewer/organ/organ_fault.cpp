@@ -80,7 +80,7 @@ std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTa
   if (shapes.mode_count == 0 || shapes.mode_count % 3 != 0)
     return fmt::format("its number of modes is {}, not a positive multiple of three",
                        shapes.mode_count);
-  if (!areWithin(shapes.modes, 1.001)) return "a mode has an entry above one";
+  if (!areWithin(shapes.modes, 1.001)) return "a mode has an entry that is not between -1 and 1";
   for (std::size_t n = 0; n < spaces.size(); ++n)
     if (!areWithin(shapes.shares[n], 1e6 * spaces[n].lattice.radius()))
       return fmt::format("space {} has a shape that is not finite or far too large", n);

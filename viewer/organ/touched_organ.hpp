@@ -27,8 +27,8 @@ class TouchedOrgan {
   /// Does one step of the preparation for a touch at s. Returns false if nothing is left to do.
   /// touch: index in CarriedOrgan::touches; s: m, place on the surface at rest.
   bool prepare(std::size_t touch, const Eigen::Vector3d& s);
-  /// Does one step of the preparation of the touch's other sites, nearest to s first. Returns false
-  /// if nothing is left to do.
+  /// Does one step of the preparation of the other sites of the touch, the nearest to s first.
+  /// Returns false if nothing is left to do.
   bool prepareAhead(std::size_t touch, const Eigen::Vector3d& s);
   /// Evaluates force and energy. p: displacement of the finger from s, or of the active node from
   /// its rest position, m. The force is zero if prepare() has not finished at s.
