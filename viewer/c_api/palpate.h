@@ -23,7 +23,7 @@
  * a guard may be used by one thread at a time. Different handles are independent of each other.
  *
  * Real time. A function marked "real time" does not allocate, lock, wait, or do input and output
- * when it returns PALPATE_OK, and its time is bounded. Call all other functions while preparing the
+ * when it returns PALPATE_OK, and its time is bounded. Do not call any other function from the
  * loop.
  *
  * Lifetime. Each handle is closed or destroyed once, by the function named at its creation. A
@@ -115,8 +115,8 @@ typedef struct palpate_dataset_info {
   int32_t contact_mode;   /* palpate_contact_mode chosen by the scene */
   int32_t space_count;
   int32_t method_count;
-  int32_t vertex_count;   /* vertices of the surface */
-  int32_t triangle_count; /* triangles of the surface */
+  int32_t vertex_count;   /* number of vertices of the surface */
+  int32_t triangle_count; /* number of triangles of the surface */
   int32_t reserved;       /* 0 */
   double max_force;       /* N, force limit of the scene, beyond which solving stops */
 } palpate_dataset_info;
@@ -161,8 +161,8 @@ PALPATE_API palpate_status palpate_dataset_space(const palpate_dataset* dataset,
 PALPATE_API palpate_status palpate_dataset_find_space(const palpate_dataset* dataset,
                                                       const char* name, int32_t* space);
 
-/* Returns the name of prepared method 0..method_count-1; owned by the dataset. NULL, with an error
- * text, for any other number. Any thread, real time. */
+/* Returns the name of a prepared method by its number, 0..method_count-1; owned by the dataset.
+ * Returns NULL, with an error text, for any other number. Any thread, real time. */
 PALPATE_API const char* palpate_dataset_method(const palpate_dataset* dataset, int32_t method);
 /* Finds the number of a prepared method by its name. An unknown name is PALPATE_INVALID_ARGUMENT,
  * and the error text lists the prepared methods. Any thread. */
@@ -193,10 +193,11 @@ typedef struct palpate_sample {
   double energy;       /* J, stored in the tissue; NaN if the method has none */
   /* N, bound on the error of the force, estimated to hold at 99 % of places; NaN: unknown */
   double error_bound;
-  /* 0..1. 1: interpolated from solved equilibria of one branch only; 0: extrapolated. See inside */
+  /* 0..1. 1: interpolated only from solved equilibria of one branch; 0: extrapolated */
   double coverage;
   /* 1: the displacement is in the solved region. 0: the sample is an extrapolation. Beyond the
-   * solved region, force is that of a wall that only gets stiffer, coverage that of its edge */
+   * solved region, the force is that of a wall that only gets stiffer, and coverage is that at the
+   * edge of the region */
   int32_t inside;
   int32_t reserved; /* 0 */
 } palpate_sample;
@@ -205,8 +206,8 @@ typedef struct palpate_sample {
  * rest position, m. Beyond the solved region, inside is 0. The force then continues from the edge
  * of the region as the gradient of the same energy and only gets stiffer, and the error bound grows
  * with the added force. A NaN in `displacement` gives zero force and inside = 0; an infinite
- * displacement counts as a very long one. Neither is an error, so that a bad reading does not stop
- * a loop. Any thread, real time (wait-free). */
+ * displacement is treated as a very long one. Neither is an error, so that a bad reading does not
+ * stop a loop. Any thread, real time (wait-free). */
 PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space,
                                          int32_t method, const double displacement[3],
                                          palpate_sample* sample);
@@ -247,8 +248,8 @@ typedef struct palpate_area_sample {
   double drive[3];
   double at[3];       /* m, the point of the surface at rest nearest to the queried place */
   double energy;      /* J, stored in the tissue */
-  double error_bound; /* as in palpate_sample; so is coverage */
-  double coverage;
+  double error_bound; /* as in palpate_sample */
+  double coverage;    /* as in palpate_sample */
   /* 1: `at` is a touchable place of the area, near the queried one, and p is within the region
    * solved there. 0: the sample is computed for `at` all the same, but is not reliable. The reason
    * is one of these: the queried place is too far from `at` (see distance), no site is near, the
@@ -285,7 +286,7 @@ PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, in
 
 /* ---- many answers at once ---- */
 
-/* Output arrays for `count` queries in one call, for callers to whom each call is expensive
+/* Output arrays for `count` queries in one call, for callers for whom each call is expensive
  * (Python, MATLAB, another process). The arrays belong to the caller; pass NULL for unwanted ones.
  * The values are exactly those of palpate_sample and palpate_area_sample. */
 typedef struct palpate_answers {
@@ -338,13 +339,13 @@ typedef struct palpate_contact_options {
   double friction; /* Coulomb's coefficient, >= 0; unilateral only; default 0.2 */
   /* m, >= 0; glued: the tool grips the surface within this distance; default 0.005 */
   double grab_distance;
-  /* m, > 0: the most that the point of contact slides per update; default 0.002 */
+  /* m, > 0: largest slide of the point of contact per update; default 0.002 */
   double most_slide;
-  /* 0..1, > 0: most relative change of the force per update by sliding, in addition to the change
-   * by the tool's own motion; default 0.005. This keeps the force continuous while the point of
-   * contact runs down from a ridge. A smaller value feels softer and lags more. */
+  /* > 0: largest relative change of the force per update by sliding, in addition to the change by
+   * the tool's own motion; default 0.005. This limit keeps the force continuous while the point of
+   * contact slides down from a ridge. A smaller value feels softer and lags more. */
   double most_relaxation;
-  /* live solver that corrects the forces of this contact, of the same dataset; default NULL */
+  /* live solver of the same dataset, which corrects the forces of this contact; default NULL */
   palpate_live* live;
 } palpate_contact_options;
 
@@ -354,9 +355,9 @@ typedef struct palpate_contact_options {
 typedef struct palpate_touch {
   size_t size;
   int32_t touching; /* 1 or 0 */
-  /* 1: the force may have changed by more than the tool's motion explains, because contact began
-   * away from the surface or ended with a force, or the dataset or method was switched. The guard
-   * fades such steps in. */
+  /* 1: the force may have changed by more than the tool's motion explains, because contact ended
+   * while there was a force, or the dataset or method was switched during contact. The guard fades
+   * such steps in. */
   int32_t stepped;
   int32_t inside;         /* 1 only if palpate_sample.inside is 1 in every space that takes part */
   int32_t triangle;       /* surface triangle in contact; -1: none */
@@ -400,7 +401,8 @@ PALPATE_API void palpate_contact_destroy(palpate_contact* contact);
 PALPATE_API palpate_status palpate_contact_update(palpate_contact* contact, const double tool[3],
                                                   int32_t hold, palpate_touch* touch);
 
-/* Ends the contact; the tool must then come from outside again. Real time. */
+/* Ends the contact. The tool can touch again after it was outside (unilateral), or after an update
+ * with hold = 0 or with the tool farther away than grab_distance (glued). Real time. */
 PALPATE_API palpate_status palpate_contact_release(palpate_contact* contact);
 
 /* Switches to another dataset or prepared method, to compare how they feel. The tool stays in
@@ -414,8 +416,8 @@ PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact,
  * passed to the drawing thread. dataset: that of the contact. displacements: output, displacement
  * of each vertex, m, 3 * vertex_count floats, all zero without contact; `capacity` as in
  * palpate_dataset_vertices. The surface blends the shapes of the spaces that take part, and passes
- * through the tool. Reads only touching, displacement, triangle, barycentric, anchor and the shares
- * of the touch. Any thread; allocates, so call it on the drawing thread. */
+ * through the tool. Reads only touching, displacement, beyond, triangle, barycentric, anchor and
+ * the shares of the touch. Any thread; allocates, so call it on the drawing thread. */
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
                                                        const palpate_touch* touch,
                                                        float* displacements, size_t capacity);
@@ -431,10 +433,10 @@ typedef struct palpate_live_options {
   double period; /* s, > 0: time between two calls of palpate_contact_update; default 0.001 */
   /* path of the program palpate-worker, which is started; NULL (default): found in PATH */
   const char* worker;
-  /* address of a running `palpate follow`, "tcp://HOST:PORT"; NULL (default): a worker starts */
+  /* address of a running `palpate follow`, "tcp://HOST:PORT"; NULL (default): start `worker` */
   const char* follower;
   /* folder of the keys for `follower`; NULL (default): the folder that `palpate key` uses; "":
-   * none, for a follower with --insecure */
+   * no keys, for a follower that was started with --insecure */
   const char* keys;
 } palpate_live_options;
 
@@ -445,13 +447,13 @@ typedef struct palpate_live_info {
   uint64_t answers;       /* number of equilibria received */
   uint64_t failures;      /* number of hand positions without an equilibrium */
   uint64_t restarts;      /* number of restarts and reconnections of the live solver */
-  double mean_seconds;    /* s, from question to answer; 0 before the first answer */
+  double mean_seconds;    /* s, mean time from question to answer; 0 before the first answer */
   double largest_seconds; /* s, largest time from question to answer */
 } palpate_live_info;
 
 /* Starts a live solver and waits until it has found the state at rest. scene: file of the scene
- * (.toml). dataset: the dataset of this scene that is corrected; NULL: a guess stands for it, a
- * spring at every place, whose forces are marked as not inside and have themselves as error bound.
+ * (.toml). dataset: the dataset of this scene that is corrected; NULL: a guess takes its place, a
+ * spring everywhere, whose forces have inside = 0 and an error bound of at least their magnitude.
  * Takes seconds. options: NULL for the defaults. Pass *live to palpate_live_stop later; it is NULL
  * on failure. Errors: PALPATE_BAD_FILE for an invalid scene, follower or folder of keys, and if the
  * scene has no finger or is not that of the dataset; PALPATE_INVALID_ARGUMENT; PALPATE_FAILED if
@@ -461,7 +463,8 @@ PALPATE_API palpate_status palpate_live_start(const char* scene, const palpate_d
                                               const palpate_live_options* options,
                                               palpate_live** live);
 
-/* Ends the live solver; NULL is ignored. A contact that uses it keeps it until it is destroyed. */
+/* Ends the live solver; NULL is ignored. If a contact uses the live solver, the solver ends when
+ * the contact is destroyed. */
 PALPATE_API void palpate_live_stop(palpate_live* live);
 
 /* Opens the dataset that the live solver corrects, for palpate_contact_create with options->live.
@@ -473,8 +476,8 @@ PALPATE_API palpate_status palpate_live_dataset(const palpate_live* live,
 PALPATE_API palpate_status palpate_live_describe(const palpate_live* live, palpate_live_info* info);
 
 /* Writes the current problem of the live solver into `text` as a sentence, truncated to `capacity`
- * bytes with the final zero; "" if there is none. Meanwhile forces continue from the last
- * equilibria, and the solver is started or asked again. Any thread. */
+ * bytes with the final zero; "" if there is none. During a problem, forces continue from the last
+ * equilibria, and the solver is restarted or asked again. Any thread. */
 PALPATE_API palpate_status palpate_live_trouble(const palpate_live* live, char* text,
                                                 size_t capacity);
 
@@ -501,13 +504,13 @@ typedef struct palpate_guard palpate_guard;
 typedef struct palpate_guard_options {
   size_t size;
   double period;    /* s, > 0, period of the loop; default 0.001 */
-  double max_force; /* N, > 0; default 3.3, the limit of the weakest device */
+  double max_force; /* N, > 0; default 3.3, the limit of the weakest known device */
   double max_slew;  /* N/s; 0 (default) or NaN: reaches max_force in 10 ms */
   double ramp;      /* s, > 0, over which a step of the force is faded in; default 0.05 */
   /* s, > 0: the force goes to zero after this time without a fresh reading; default 0.02 */
   double stall;
   double max_stiffness; /* N/m, > 0, of the device; default 400; has no effect at present */
-  double energy_credit; /* J, >= 0: most energy surplus or deficit remembered; default 1e-4 */
+  double energy_credit; /* J, >= 0: largest energy surplus or deficit kept; default 1e-4 */
   /* s, >= 0, at most 30 periods: time from the reading of a position until the force computed from
    * that position acts. Default 0: the force is sent within the period of the call and acts at
    * once */
