@@ -18,8 +18,8 @@ struct Finding {
 
 /// Checks whether this machine can run the haptic client: real-time limits, timer, memory locking,
 /// processor clock, display and the Haply service. Also runs palpate-worker to find out which
-/// solver kernels it uses. Changes nothing and opens no device. Takes a second, to measure the
-/// wake-up latency of the timer.
+/// solver kernels it uses. Changes nothing and opens no device. Takes a second, in which it
+/// measures the wake-up latency of the timer.
 std::vector<Finding> examineMachine();
 
 /// Format the findings: as text of one or two lines each, or as JSON of one object per line.

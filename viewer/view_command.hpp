@@ -27,7 +27,7 @@ struct ViewOptions {
   double friction = 0.2;
   double reach = 0;                       ///< m; passed to TouchSurface
   double rate = 1000;                     ///< Hz
-  double hand_speed = usual_slide_speed;  ///< m/s
+  double hand_speed = usual_slide_speed;  ///< of the virtual hand, m/s
   /// Length of the run, s of haptic time. If it is 0, the run lasts until the window is closed, the
   /// device ends or a signal arrives.
   double duration = 0;

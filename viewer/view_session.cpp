@@ -326,8 +326,7 @@ class ViewSession {
     preferUnfinished();
   }
 
-  /// Asks the build to compute the unfinished sites around the finger first, beginning with the
-  /// nearest.
+  /// Asks the build to compute the unfinished sites nearest to the finger first.
   void preferUnfinished() {
     const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
     if (!touch.touching) return;
@@ -429,8 +428,7 @@ class ViewSession {
     spdlog::info("reloaded");
   }
 
-  /// Replaces the models by newer results of the build, while the loop runs and the window stays
-  /// open.
+  /// Replaces the models by newer results, while the loop runs and the window stays open.
   void followGrowth() {
     if (!growth_ || !growth_->ended()) return;
     const auto now = std::chrono::steady_clock::now();

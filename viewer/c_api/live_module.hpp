@@ -9,7 +9,7 @@ namespace palpate {
 /// The arguments of palpate_live_start. Pointers may be NULL as in palpate_live_options.
 struct LiveRequest {
   const char* scene;
-  bool unsolved;  ///< no dataset is given
+  bool unsolved;  ///< whether no dataset is given
   const char *worker, *follower, *keys;
 };
 

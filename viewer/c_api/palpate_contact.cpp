@@ -97,7 +97,6 @@ palpate_status palpate_contact_create(const palpate_dataset* dataset,
                                       const palpate_contact_options* options,
                                       palpate_contact** contact) {
   if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
-  // The caller gets no handle if anything below fails.
   *contact = nullptr;
   if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
   palpate_contact_options given = defaultsFor(*dataset);

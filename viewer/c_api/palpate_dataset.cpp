@@ -40,7 +40,6 @@ palpate_sample sampleOf(const ForceField& field, const double displacement[3]) {
 palpate_status palpate_dataset_open(const char* file, const palpate_open_options* options,
                                     palpate_dataset** dataset) {
   if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
-  // The caller gets no handle if anything below fails.
   *dataset = nullptr;
   if (!isThere(__func__, "file", file)) return PALPATE_INVALID_ARGUMENT;
   palpate_open_options chosen{};

@@ -46,7 +46,6 @@ std::shared_ptr<LiveScene> startedFor(const char* file, const palpate_dataset* d
 palpate_status palpate_live_start(const char* scene, const palpate_dataset* dataset,
                                   const palpate_live_options* options, palpate_live** live) {
   if (!isThere(__func__, "live", live)) return PALPATE_INVALID_ARGUMENT;
-  // The caller gets no handle if anything below fails.
   *live = nullptr;
   palpate_live_options chosen{};
   chosen.period = 1e-3;

@@ -9,12 +9,11 @@ namespace palpate {
 /// Edge of the answered region along one direction from rest: its radius, the stiffness of the
 /// continuation beyond it, and the derivatives of both with respect to the direction.
 struct RegionEdge {
-  double radius = 0;     ///< m from rest
-  double stiffness = 0;  ///< N/m, of the continuation
+  double radius = 0;     ///< distance of the edge from rest, m
+  double stiffness = 0;  ///< stiffness of the continuation, N/m
   /// Derivatives with respect to the unit direction, tangential to the unit sphere, m and N/m.
   Eigen::Vector3d radius_slope = Eigen::Vector3d::Zero(), stiffness_slope = Eigen::Vector3d::Zero();
 
-  /// Adds `weight` times another edge.
   void add(double weight, const RegionEdge& other) noexcept;
 };
 
@@ -68,8 +67,8 @@ inline bool isWithin(double length, double radius) noexcept {
 ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
                             const Eigen::Vector3d& unit, double depth) noexcept;
 
-/// Longer displacements, in radii of the ball, are shortened to this length, so that all numbers
-/// stay finite.
+/// Longest displacement that is evaluated, in radii of the ball. Longer ones are shortened to this
+/// length, so that all numbers stay finite.
 inline constexpr double farthest_in_radii = 4;
 
 /// Evaluates a field at a displacement, m. Calls inRegion(p) if the displacement is in the answered

@@ -443,8 +443,7 @@ void AreaField::eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vect
     const double x = near.offset.norm() / collocation_points_.reach();
     if (!(x < 1)) continue;
     near.collocation_point = &at_collocation_points_[at(number)];
-    // Neighbouring collocation points often share a tree, so the leaf is looked up only for a new
-    // tree.
+    // Neighbouring collocation points often share a tree; only a new tree must be searched.
     const CellTree* const tree = &trees_[near.collocation_point->tree];
     near.is_new_tree = near.tree != tree;
     if (near.is_new_tree) {
@@ -492,8 +491,7 @@ double AreaField::leastRadiusAt(const Eigen::Vector3d& s) const noexcept {
   return least;
 }
 
-/// Returns the weighted mean of the edges of all sites within reach of s, and its derivatives with
-/// respect to s.
+/// Returns the weighted mean of the edges of all sites within reach of s.
 AreaField::PlacedEdge AreaField::edgeAt(const Eigen::Vector3d& s,
                                         const Eigen::Vector3d& unit) const noexcept {
   const DirectionWeights direction(unit);
@@ -606,7 +604,7 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
   });
   if (whole < std::numeric_limits<double>::min()) return;
   const double share =
-      std::sqrt(power) * lack / whole + share_of_power * power + share_of_force;  // relative
+      std::sqrt(power) * lack / whole + share_of_power * power + share_of_force;  // relative error
   sample.error_bound = share_of_p_error * error / whole + share * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;

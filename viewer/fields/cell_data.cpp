@@ -60,7 +60,6 @@ bool CellBranches::isInconsistent(std::int32_t a, std::int32_t b) const {
 }
 
 std::vector<std::int32_t> CellData::leavesWith(const std::vector<LatticeEdge>& edges) const {
-  // In most spaces the list is empty, so no leaf needs to be searched.
   std::vector<std::int32_t> found;
   if (edges.empty()) return found;
   for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {

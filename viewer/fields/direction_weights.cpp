@@ -10,8 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t table_size = 768;
-/// Table directions have a non-zero weight if their chord to the given direction is shorter than
-/// this. There are about twelve.
+/// Table directions within this chord length have a non-zero weight; there are about twelve.
 constexpr double reach = 0.25;
 
 std::vector<Eigen::Vector3d> fibonacciLattice() {

@@ -21,7 +21,7 @@ struct DirectionWeights {
   std::size_t size = 0;                         ///< number of used entries of the arrays
   std::array<std::uint16_t, most> numbers;      ///< indices in tableDirections()
   std::array<double, most> weights;             ///< sum: 1
-  std::array<Eigen::Vector3d, most> gradients;  ///< of the weights, tangential to the sphere
+  std::array<Eigen::Vector3d, most> gradients;  ///< of `weights`, tangential to the sphere
 };
 
 /// Returns the indices of the table directions that can have a non-zero weight together with

@@ -17,8 +17,7 @@ using JetPack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
 }
 
 /// Returns sum + a * b. Machines with fused multiply-add round only once. The code for WebAssembly
-/// imitates this with doubles, so that a page computes the same sums as the machine that made the
-/// page.
+/// imitates this with doubles, so a page computes the same sums as the machine that made the page.
 template <class Factor>
 [[gnu::always_inline]] inline JetPack addedProduct(JetPack sum, Factor a, JetPack b) {
 #ifdef __wasm__

@@ -15,7 +15,7 @@ constexpr double reach_radii = 1;
 /// b, the weight of the area's energy. An expansion weighs at most 1, and 0.005 at half of its
 /// reach.
 constexpr double area_weight = 1e-4;
-/// Softens the weights near an expansion, in squared reaches.
+/// Added to the squared distance in a weight, in squared reaches, so that the weight stays finite.
 constexpr double softening = 0.05;
 /// Factors of the error bound, so that it holds for 99 % of touches (tests/measure/bench/live_run).
 /// One multiplies the disagreement of the expansions, the other their last terms times the distance

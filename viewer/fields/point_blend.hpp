@@ -41,8 +41,8 @@ class PointBlend {
   /// Returns the shares of a slot in ascending order of rows, each row once; a solved slot has only
   /// its own row. Real time.
   const std::vector<PointShare>& ofSlot(std::int32_t slot) const { return shares_[at(slot)]; }
-  /// Returns the shares at a displacement, metres, in the same order. A displacement outside the
-  /// ball is replaced by the nearest point of the ball's surface, NaN by rest.
+  /// Returns the shares at a displacement, metres, in ascending order of rows. A displacement
+  /// outside the ball is replaced by the nearest point of the ball's surface, NaN by rest.
   std::vector<PointShare> sharesAt(const Eigen::Vector3d& displacement) const;
   /// Returns the leaf in which sharesAt() interpolates. Real time.
   LeafPlace leafAt(const Eigen::Vector3d& displacement) const noexcept;

@@ -47,7 +47,6 @@ class Corrections {
     for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
       for (const std::int32_t slot : data.tree.corners(leaf))
         if (data.tree.slots()[at(slot)].kind != SlotKind::hanging) edges_[slot];
-    // Most spaces have nothing to correct.
     if (edges_.empty()) return;
     PALPATE_ASSERT(data.equilibria.size() == values_.size(), "corners must have energy and force");
     for (std::int32_t leaf = 0; leaf < std::ssize(data.tree.leaves()); ++leaf)

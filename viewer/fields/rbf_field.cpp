@@ -53,7 +53,6 @@ std::vector<RbfBlock> solvedBlocks(const SpaceTable& space, RbfKernel kernel) {
   PALPATE_ASSERT(solution.position.rows() == solution.weights.rows() && solution.weights.rows() > 0,
                  "solved points must exist, and each have a weight");
   const std::size_t count = at(solution.weights.rows());
-  // Unused lanes of the last block have zero weights.
   std::vector<RbfBlock> blocks((count - 1) / rbf_lanes + 1);
   for (std::size_t n = 0; n < count; ++n)
     for (int axis = 0; axis < 3; ++axis) {

@@ -14,8 +14,8 @@ enum class RbfKernel { linear, cubic };  ///< phi(r) = r, r^3
 struct RbfWeights {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
   Rows position;         ///< positions of the solved points, in lattice order; in spacings
-  Rows weights;          ///< N, of the solved points
-  double condition = 0;  ///< of the matrix phi(|p_i - p_j|), estimated in the 1-norm
+  Rows weights;          ///< weights of the solved points, N
+  double condition = 0;  ///< condition number of phi(|p_i - p_j|), estimated in the 1-norm
   /// Largest error of a force component at a solved point, relative to the largest force component;
   /// infinite if the system has no solution.
   double residual = 0;

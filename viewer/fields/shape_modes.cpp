@@ -7,8 +7,8 @@ namespace palpate {
 namespace {
 
 /// The first modes are chosen from at least this many, but fewer than twice as many, shapes (or
-/// from all shapes if there are fewer). More are not needed, because neighbours on a lattice are
-/// much alike.
+/// from all shapes if there are fewer). More shapes are not needed, because shapes at neighbouring
+/// lattice points are much alike.
 constexpr Eigen::Index electors = 400;
 /// Number of shapes checked together, so that their errors stay in a core's cache.
 constexpr Eigen::Index block = 256;
@@ -17,8 +17,8 @@ Eigen::VectorXf largestEntries(const ShapeRows& rows) {
   return rows.rowwise().lpNorm<Eigen::Infinity>();
 }
 
-/// Appends modes until they also reproduce some further shapes. `missed`: the parts of these shapes
-/// that `modes` do not reproduce, one row per shape.
+/// Appends modes until the modes also reproduce some further shapes. `missed`: the parts of these
+/// shapes that `modes` do not reproduce, one row per shape.
 void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
   Eigen::VectorXf misses = largestEntries(missed);
   // Ends at a full set of modes, one per entry of a shape, which leaves no error.

@@ -77,9 +77,9 @@ class SlotDifferences {
     return stencils_[3 * at(slot) + at(axis)];
   }
 
-  /// Returns d column / d axis at a slot. With two other slots it is the slope of the parabola
-  /// through the three values; the error is proportional to distance^2. With one other slot it is
-  /// the slope of a line, and without others it is zero.
+  /// Returns d column / d axis at a slot. With two other slots the derivative is the slope of the
+  /// parabola through the three values; the error is proportional to distance^2. With one other
+  /// slot it is the slope of a line, and without others it is zero.
   Eigen::Vector4d derivative(const std::vector<Node>& nodes, int column, std::int32_t slot,
                              int axis) const {
     const auto [first, second] = stencil(slot, axis);

@@ -13,8 +13,7 @@ constexpr int most_pieces = 3;
 /// enough. The step makes the excess about a hundred times smaller, and the next tick slides the
 /// rest. Most ticks therefore need two evaluations of the spaces instead of four.
 constexpr double small_excess = 0.02;
-/// Smaller barycentric coordinates are set to zero, so that the point lies on an edge; about 1e-14
-/// m.
+/// Smaller barycentric coordinates (about 1e-14 m) are set to zero, so the point lies on an edge.
 constexpr double on_edge = 1e-12;
 
 /// Direction of steepest descent of W from a point of a triangle.
@@ -29,7 +28,7 @@ struct Descent {
 };
 
 /// Stores the direction from one corner to another in `best` if W falls more steeply in this
-/// direction than in the one that `best` holds.
+/// direction than in the direction that `best` holds.
 void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to,
                const Eigen::Vector3d& drive, Descent& best) noexcept {
   const Triangle& t = surface.triangles()[at(best.from.triangle)];

@@ -68,7 +68,7 @@ void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
   last_tool_ = tool;
 }
 
-/// Called when the tool was outside and is now inside.
+/// Finds the point of entry of a tool that was outside and is now inside.
 void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept {
   const Crossing crossing = model_->surface().tree().entry(last_tool_, tool);
   // Because of rounding, a tool on the surface can get inside without a crossing.

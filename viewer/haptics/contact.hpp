@@ -27,7 +27,7 @@ struct Touch : ForceSample {
   /// fades in such a step.
   bool stepped = false;
   SurfacePoint anchor;                                        ///< the material point in contact
-  Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
+  Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< rest position of the anchor, m
   /// outward unit normal of the surface at rest, at the anchor
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   /// displacement of the anchor, m, at which the force fields of the spaces are evaluated
@@ -36,8 +36,8 @@ struct Touch : ForceSample {
   double followed = 0;  ///< share of the live solver's equilibria in the force, 0 to 1
   double gap = 0;       ///< distance to the body while not touching, m; negative inside the body
 
-  /// Returns the part of the displacement that lies beyond the computed region, m. Pictures leave
-  /// it out, so the tool and the deformed shape stop at the edge of the region.
+  /// Returns the part of the displacement that lies beyond the computed region, m. The drawn tool
+  /// and shape leave it out, so they stop at the edge of the region.
   Eigen::Vector3d excess() const noexcept { return excessOf(displacement); }
 };
 
@@ -90,7 +90,8 @@ class Contact {
   const Touch& update(const Eigen::Vector3d& tool, bool hold = true) noexcept;
   const Touch& touch() const noexcept { return touch_; }
   std::size_t method() const noexcept { return method_; }
-  /// Ends the contact. The tool must then come from outside to touch again.
+  /// Ends the contact. Before the tool can touch again, it must be outside; glued: it must let go
+  /// or be farther away than grab_distance.
   void release() noexcept;
   /// Switches to another model or method. Contact is kept if both surfaces have the same triangles
   /// and vertices and the anchor is touchable in the new model.
@@ -108,7 +109,8 @@ class Contact {
   /// | ready    | tool enters elsewhere                                   | shut               |
   /// | touching | the tissue would pull back a tool that leaves           | shut               |
   /// | touching | glued: `hold` is false                                  | ready              |
-  /// | any      | release(), or use() of a model with another surface     | shut               |
+  /// | touching | use() of a model in which contact cannot continue       | shut               |
+  /// | any      | release(); unilateral: use() with another surface       | shut               |
   /// | any      | tool position not finite                                | shut, glued: ready |
   enum class State : std::uint8_t { shut, ready, touching };
 

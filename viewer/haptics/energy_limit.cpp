@@ -8,9 +8,9 @@ namespace {
 
 /// Factor on K (D + T/2), see EnergyLimit. Much smaller factors let light masses gain energy.
 constexpr double damping = 4;
-/// Factors on the measured acceleration. The measurement lags, and the true acceleration grows with
-/// the force. growing_out: for the force while the hand moves out. growing_ahead: for predicting
-/// when the force must begin to fall.
+/// Factors on the measured acceleration, because the measurement lags and the true acceleration
+/// grows with the force. growing_out is used for the force while the hand moves out, growing_ahead
+/// to predict when the force must begin to fall.
 constexpr double growing_out = 1.3, growing_ahead = 2;
 // m; more than the resolution of a device, less than a slow press moves in rest_duration
 constexpr double rest_radius = 2e-4;

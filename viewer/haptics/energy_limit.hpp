@@ -38,12 +38,11 @@ class EnergyLimit {
   /// Number of past ticks whose written forces are kept.
   static constexpr std::uint32_t remembered = 32;
 
-  /// Larger numbers (N, m, J) cannot come from a hand. Squares and sums of numbers up to this one
-  /// do not overflow.
+  /// Numbers (N, m, J) above this limit cannot come from a hand. Squares and sums of smaller
+  /// numbers do not overflow.
   static constexpr double largest_number = 1e9;
 
-  /// period: s. max_slew: N/s. credit: J; a surplus or deficit of energy is carried along up to
-  /// this amount.
+  /// period: s. max_slew: N/s. credit: largest surplus or deficit of energy that is remembered, J.
   EnergyLimit(double period, double max_slew, double credit)
       : period_(period), max_slew_(max_slew), credit_(credit) {}
   void reset() noexcept { *this = EnergyLimit(period_, max_slew_, credit_); }
@@ -53,10 +52,9 @@ class EnergyLimit {
   /// rendered: fraction of the raw force that remains after the clamp to max_force.
   void observe(const Eigen::Vector3d& tool, const Touch& touch, double rendered,
                const HeldForces& held, bool fresh) noexcept;
-  /// Sets the stored energy, J. A surplus or deficit is kept, up to the credit.
+  /// Sets the stored energy, J. A surplus or deficit is remembered, up to the credit.
   void restart(double stored) noexcept;
-  /// Shortens `force` (N) if the hand would otherwise get back more energy than it put in. Returns
-  /// whether it was shortened.
+  /// Shortens `force` (N) if the hand would get back too much energy. Returns whether it did.
   bool bound(Eigen::Vector3d& force, const Eigen::Matrix3d& stiffness) const noexcept;
   /// Records the force that is written to the device, N. Call once per tick.
   void give(const Eigen::Vector3d& force) noexcept;
@@ -82,7 +80,7 @@ class EnergyLimit {
     return none;
   }();
   std::uint32_t tick_ = 0;   ///< number of forces written so far
-  std::uint32_t age_ = 0;    ///< ticks since the last reading
+  std::uint32_t age_ = 0;    ///< number of ticks since the last fresh reading
   bool known_ = false;       ///< whether tool_ is valid
   double delay_ = 0;         ///< time from the last reading until the next force begins to act, s
   double hold_ = 0;          ///< time for which a force is held, s

@@ -18,8 +18,7 @@ struct GuardOptions {
   double stall = 0.02;          ///< the force goes to zero after this time without a fresh reading,
                                 ///< s
   double max_stiffness = 400;   ///< limit of the device, N/m; only recorded, not enforced
-  double energy_credit = 1e-4;  ///< a surplus or deficit of energy is carried along up to this
-                                ///< amount, J
+  double energy_credit = 1e-4;  ///< largest surplus or deficit of energy that is remembered, J
   /// Part of the delay from a reading to its force that the device does not report (HeldForces), s.
   /// It is added to the reported delay; at most 30 periods.
   double delay = 0;
@@ -68,7 +67,7 @@ struct GuardedForce {
 /// Fades in a step of a force smoothly. One thread; real time.
 class ForceRamp {
  public:
-  /// period: length of a tick, s; duration: of the fading, s.
+  /// period: length of a tick, s. duration: length of the fade, s.
   ForceRamp(double period, double duration)
       : period_(period), duration_(duration), time_(duration) {}
   void reset() noexcept { time_ = duration_; }
@@ -83,7 +82,7 @@ class ForceRamp {
   Eigen::Vector3d next() noexcept;
 
  private:
-  double period_, duration_, time_;  ///< s; time_: since the step began
+  double period_, duration_, time_;  ///< s; time_: time since the step began
   Eigen::Vector3d step_ = Eigen::Vector3d::Zero();
 };
 
@@ -125,8 +124,8 @@ class ForceGuard {
   bool usable_ = false;                              ///< the last tick had a valid raw force
   bool stalled_ = false;                             ///< the last tick was stalled
   std::uint64_t ticks_since_fresh_ = 0;
-  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, at the last fresh reading; valid if
-                                                    ///< usable_
+  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();  ///< m, position at the last fresh
+                                                    ///< reading; valid if usable_
 };
 
 }  // namespace palpate

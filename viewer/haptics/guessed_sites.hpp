@@ -7,8 +7,7 @@
 
 namespace palpate {
 
-/// Returns whether the build of a space is unfinished, that is, whether a point has the tag
-/// `unknown`.
+/// Returns whether the build of a space is unfinished: whether a point has the tag `unknown`.
 bool isUnfinished(const SpaceTable& space);
 
 /// Replaces all points of a finger's site by a guess: a spring, about as stiff as the softest

@@ -79,13 +79,11 @@ class HapticDevice {
   virtual void halt() noexcept = 0;
   virtual void resume() noexcept = 0;
 
-  /// Moves the tool of the mouse. Only the drawing thread calls this; devices other than the mouse
-  /// ignore it.
+  /// Moves the tool of the mouse. Only the drawing thread calls this; other devices ignore it.
   virtual void moveTo(const MouseTarget& /*target*/) noexcept {}
   /// Returns whether this device is the mouse, whose tool moveTo() moves.
   virtual bool isMouse() const { return false; }
 
-  /// Returns the device's limits of force, stiffness and workspace.
   virtual DeviceProfile profile() const { return traits_.profile; }
   /// Returns the number of readings after which the device is lost; 0: unlimited.
   virtual std::uint64_t readings() const { return 0; }

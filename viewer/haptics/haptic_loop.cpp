@@ -177,8 +177,8 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   if (last_begin_ns_ != 0) statistics_.period.add(away);
   last_begin_ns_ = begin_ns;
   const bool halted = halted_.load(std::memory_order_acquire);
-  // An earlier loop ran this HapticTick. It still holds the last force of that loop, but the device
-  // has rendered zero since then.
+  // An earlier loop ran this HapticTick, which still holds the last force of that loop, but the
+  // device has rendered zero since then.
   const bool goes_on = statistics_.ticks == 0 && tick_.state().tick > 0;
   const bool late = halted || goes_on || (!options_.free_running && away > options_.watchdog);
 

@@ -54,8 +54,7 @@ class HapticLoop {
   ~HapticLoop();  ///< stops the loop
   void start();   ///< once only; throws Error if a thread cannot be created
   void stop();    ///< writes zero force last and completes the statistics
-  /// Returns true from start() until the loop has ended, because of stop() or after
-  /// LoopOptions::ticks ticks.
+  /// Returns true from start() until the loop has ended (stop(), LoopOptions::ticks).
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
   const HapticState& latest() noexcept { return states_.read(); }
@@ -74,7 +73,6 @@ class HapticLoop {
   static constexpr std::size_t recorded_states = 8192;
   using RecordedQueue =
       boost::lockfree::spsc_queue<HapticState, boost::lockfree::capacity<recorded_states>>;
-  /// Page faults and preemptions of the loop's thread.
   struct Usage {
     std::uint64_t page_faults = 0, preemptions = 0;
   };
@@ -93,7 +91,7 @@ class HapticLoop {
   const LoopOptions options_;
   TripleBuffer<HapticState> states_;
   boost::lockfree::spsc_queue<HapticCommand, boost::lockfree::capacity<64>> commands_;
-  std::unique_ptr<RecordedQueue> recorded_;  ///< only when recording
+  std::unique_ptr<RecordedQueue> recorded_;  ///< null unless recording
   mutable TripleBuffer<LoopStatistics> published_;
 
   // Used by the owner, and by the loop's thread before start() returns.

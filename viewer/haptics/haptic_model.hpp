@@ -30,8 +30,8 @@ struct HapticModelOptions {
   /// site are marked as not inside, with an error bound of at least the force itself. If false, the
   /// solved points of unfinished sites are used, and sites without a solved point are left out.
   bool guess = false;
-  /// Stops reading the shapes; the constructor then throws an Error with the exit code of an
-  /// interrupt.
+  /// A stop request ends the reading of the shapes; the constructor then throws an Error with the
+  /// exit code of an interrupt.
   std::stop_token stop = {};
 };
 
@@ -112,7 +112,7 @@ class HapticModel {
   };
   void guessUnfinished();
   void make(std::size_t method, std::size_t space);
-  bool makeAreas(const std::stop_token& stop);  ///< returns whether they are complete
+  bool makeAreas(const std::stop_token& stop);  ///< returns whether the areas are complete
   void readShapes(const Dataset& dataset, bool with_pressures, const std::stop_token& stop);
 
   Scene scene_;

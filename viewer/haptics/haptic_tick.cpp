@@ -28,7 +28,6 @@ TickOptions limited(TickOptions options, const HapticDevice& device) {
   return options;
 }
 
-/// Returns the positions of the touchable vertices, m, one per column.
 Eigen::Matrix3Xd touchableVertices(const TouchSurface& surface) {
   std::vector<Eigen::Vector3d> found;
   for (std::size_t v = 0; v < surface.vertices().size(); ++v)

@@ -12,7 +12,7 @@ namespace palpate {
 
 /// Inputs and results of one tick. Passed by value to other threads (drawing, recording).
 struct HapticState {
-  std::uint64_t tick = 0;  ///< counted from 1
+  std::uint64_t tick = 0;  ///< number of the tick, from 1
   double time = 0;         ///< tick * period, s; not wall-clock time
   DeviceReading reading;
   /// last finite position of the tool, m, scene frame

@@ -10,11 +10,11 @@ class HapticModel;
 
 /// State of the finger in one tick of the haptic thread.
 struct LiveHand {
-  double time = 0;  ///< s, of the tick
+  double time = 0;  ///< time of the tick, s
   bool touching = false;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< m, the anchor at rest
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< rest position of the anchor, m
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, of the tissue
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< force of the tissue, N
 };
 
 /// Returns the radius of the fingers that touch a model, m. Error (bad input) if the build id of
@@ -65,7 +65,7 @@ class LiveTouch {
 
  private:
   struct Answer {
-    std::uint64_t number = 0;  ///< from 1
+    std::uint64_t number = 0;  ///< number of the answer, from 1
     Expansion expansion;
   };
   double fadeOf(const Expansion& expansion, double period) const noexcept;

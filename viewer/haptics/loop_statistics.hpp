@@ -37,9 +37,9 @@ class TimeHistogram {
 
 /// Measurements of a haptic loop. Times are by CLOCK_MONOTONIC unless noted.
 struct LoopStatistics {
-  double rate = 0;          ///< requested, Hz
-  TimeHistogram period;     ///< from the start of one tick to the next, s
-  TimeHistogram latency;    ///< from the time when a tick should start to its actual start, s
+  double rate = 0;          ///< requested rate, Hz
+  TimeHistogram period;     ///< time from the start of one tick to the next, s
+  TimeHistogram latency;    ///< time from the scheduled to the actual start of a tick, s
   TimeHistogram compute;    ///< duration of a tick, s
   TimeHistogram processor;  ///< processor time of a tick, s
   std::uint64_t ticks = 0;
@@ -48,11 +48,11 @@ struct LoopStatistics {
   std::uint64_t missed_system = 0;  ///< all other missed deadlines: the thread was woken late or
                                     ///< interrupted
   std::uint64_t halts = 0;          ///< number of times the watchdog halted the device
-  std::uint64_t page_faults = 0, preemptions = 0;      ///< by the loop's thread (getrusage)
+  std::uint64_t page_faults = 0, preemptions = 0;      ///< of the loop's thread (getrusage)
   std::array<std::uint64_t, guard_count> guards = {};  ///< number of ticks with each Guarded bit
   std::uint64_t not_recorded = 0;  ///< number of states lost because the recording was too slow
   std::uint64_t contacts = 0;      ///< number of times contact began
-  double largest_force = 0;        ///< N, of the rendered force
+  double largest_force = 0;        ///< N, largest rendered force
   double largest_step = 0;         ///< N, largest change of the rendered force between two ticks
 };
 

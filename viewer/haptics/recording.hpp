@@ -22,11 +22,10 @@ struct RecordedRun {
   std::vector<RecordedModel> models;  ///< HapticState::model is an index into these
   std::vector<std::string> methods;   ///< HapticState::method is an index into these
   std::string device;                 ///< HapticDevice::name()
-  DeviceProfile profile;              ///< of the device
+  DeviceProfile profile;              ///< limits of the device
   bool scene_frame = false;           ///< HapticDevice::livesInScene()
   TickOptions options;
 };
-/// Returns the setup of a run of these models with this device.
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options);
 
@@ -48,7 +47,7 @@ class Recorder {
   /// Writes an HDF5 file under a temporary name and renames it, so `file` is either the old file or
   /// a complete new one. Throws Error with the file's name if it cannot be written (a full disk);
   /// the attempt then leaves nothing behind, and save() may be called again. The same recording
-  /// gives the same bytes.
+  /// gives the same bytes. n is the number of states.
   ///
   ///   /time                 float64  n     s, tick * period: increasing
   ///   /device/position      float64  n x 3 m, frame of device or scene (scene_frame); may be NaN
@@ -93,7 +92,7 @@ class Recorder {
 struct Recording {
   double rate = 0;                      ///< Hz
   bool scene_frame = false;             ///< positions are in the scene's frame, not the device's
-  DeviceProfile profile;                ///< of the device; named "replay" if its profile is unknown
+  DeviceProfile profile;                ///< limits of the device; named "replay" if unknown
   std::vector<DeviceReading> readings;  ///< positions may be any number, also NaN
 };
 

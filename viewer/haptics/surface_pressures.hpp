@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// Whether a dataset contains the pressures of its configurations, and otherwise the first setting
-/// of its scene that prevents it.
+/// Whether a dataset contains the pressures of its configurations; if not, the first setting of its
+/// scene that prevents this.
 enum class PressureSource : std::uint8_t {
   stored,
   material,     ///< no material has a law that is solved with a pressure
@@ -27,7 +27,7 @@ PressureSource pressureSourceOf(const Scene& scene);
 /// values are NaN.
 double strengthOf(std::span<const float> pressures);
 
-/// Pressures of a body's surface for the picture, blended from its spaces as DeformedShape blends
+/// Pressures of a body's surface for drawing, blended from its spaces as DeformedShape blends
 /// displacements. They are the pressures that the solver computed: absolute, and positive in
 /// compression. A body under gravity therefore has pressures at rest.
 ///

@@ -56,8 +56,8 @@ class ShearedSegment {
            cross[2] <= half[0] * reach_[1] + half[1] * reach_[0] + slack(half);
   }
 
-  /// Makes the triangle `best` if the segment enters it from its outer side, and earlier than the
-  /// previous `best`.
+  /// Stores the triangle in `best` if the segment enters it from its outer side, and before it
+  /// enters the previous `best`.
   void meet(const std::array<Eigen::Vector3d, 3>& corners, std::int32_t triangle,
             Crossing& best) const noexcept {
     const Eigen::Vector3d a = corners[0] - from_, b = corners[1] - from_, c = corners[2] - from_;

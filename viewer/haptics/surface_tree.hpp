@@ -33,8 +33,7 @@ class SurfaceTree {
   /// The arguments are not needed after construction. vertices: metres.
   SurfaceTree(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles);
 
-  /// Returns the point of the surface that is nearest to `point`; triangle -1 if `point` is not
-  /// finite.
+  /// Returns the point of the surface nearest to `point`; triangle -1 if `point` is not finite.
   ///
   /// hint: a triangle that is probably near, such as the previous result for a moving point. A hint
   /// makes the search shorter. It changes the result only if several triangles are equally near.
@@ -46,7 +45,7 @@ class SurfaceTree {
 
  private:
   struct Node {
-    Eigen::Vector3d center, half;  ///< of the bounding box, m
+    Eigen::Vector3d center, half;  ///< centre and half the size of the bounding box, m
     /// index into order_ if this is a leaf; otherwise the right child (the left child is the next
     /// node)
     std::int32_t first = 0;
@@ -57,7 +56,7 @@ class SurfaceTree {
   struct Face {
     std::array<Eigen::Vector3d, 3> corners;
     Eigen::Vector3d normal;
-    std::array<Eigen::Vector3d, 3> edge_normals;    ///< of the edge opposite to each corner
+    std::array<Eigen::Vector3d, 3> edge_normals;    ///< normal of the edge opposite to each corner
     std::array<Eigen::Vector3d, 3> vertex_normals;  ///< angle-weighted
   };
   void setFaces(const std::vector<Eigen::Vector3d>& vertices,

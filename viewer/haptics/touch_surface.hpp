@@ -44,7 +44,7 @@ struct SpaceBlend {
 struct TouchArea {
   std::string name;
   double radius = 0;                ///< radius of the finger, m
-  std::vector<std::size_t> spaces;  ///< one per site
+  std::vector<std::size_t> spaces;  ///< the space of each site
 };
 
 /// The surface of a body at rest, and the weights of the configuration spaces on it.
@@ -88,7 +88,7 @@ class TouchSurface {
   }
   /// Returns the weights of one vertex; empty if the vertex has no weights.
   std::span<const SpaceWeight> sharesOf(std::int32_t vertex) const { return shares_[at(vertex)]; }
-  /// Returns the area that has a space as a site, as an index into areas(); -1: none.
+  /// Returns the area to which a space belongs as a site, as an index into areas(); -1: none.
   std::int32_t areaOfSpace(std::size_t space) const { return area_of_space_[space]; }
   /// Returns the vertex at the active node of a space; -1 if that node is not a vertex of the
   /// surface.
@@ -116,7 +116,7 @@ class TouchSurface {
   }
   /// Returns the area of a triangle, as an index into areas(); -1 if it is in no area.
   std::int32_t areaOf(std::int32_t triangle) const noexcept { return area_of_[at(triangle)]; }
-  Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< at rest, m
+  Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< position at rest, m
   /// Returns the unit normal, interpolated between the vertex normals.
   Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;
   /// Returns the weights at a point of a touchable triangle.
@@ -143,7 +143,7 @@ class TouchSurface {
   std::vector<Triangle> triangles_;
   std::vector<Face> faces_;                             ///< per triangle
   std::vector<std::array<std::int32_t, 3>> neighbors_;  ///< per triangle, by corner; -1: none
-  std::vector<std::vector<std::int32_t>> around_;       ///< triangles, per vertex
+  std::vector<std::vector<std::int32_t>> around_;       ///< triangles around each vertex
   std::vector<TouchArea> areas_;
   std::vector<std::int32_t> area_of_;  ///< per triangle
   /// Per vertex, like area_of_. A vertex in an area has weights for the sites of the area only.

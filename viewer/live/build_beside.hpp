@@ -13,9 +13,8 @@
 
 namespace palpate {
 
-/// Builds the dataset of a scene while the client runs. Starts `palpate build` on all cores but
-/// two, at the lowest priority, so that the haptic loop and the live solver come first. Has a
-/// thread of its own.
+/// Builds the dataset of a scene while the client runs. Runs `palpate build` at the lowest priority
+/// on all cores but two, which the haptic loop and live solver need. Has a thread of its own.
 class BuildBeside {
  public:
   /// output: the dataset. The build stores its state in OUTPUT.state.

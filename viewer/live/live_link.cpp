@@ -15,8 +15,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto answer_poll = 1ms;
-/// Longest wait for the greeting. The live solver loads its libraries and analyses the sparsity
-/// pattern of the body first.
+/// Longest wait for the greeting. Before it answers, the live solver loads its libraries and
+/// analyses the sparsity pattern of the body.
 constexpr auto greeting_patience = 30s;
 constexpr auto connection_patience = 5s;
 /// Longest wait for an answer. A solve that begins from rest takes longer than any other.
@@ -151,8 +151,7 @@ bool LiveLink::greet(const std::stop_token& stop) {
   return false;
 }
 
-/// Sends the state of the hand, waits for the equilibrium near the hand, and gives the equilibrium
-/// to the haptic loop.
+/// Sends the state of the hand, and passes the equilibrium near the hand to the haptic loop.
 void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const bool follows = before_.touching && hand.time > before_.time;
   if (hand.touching && follows && hand.time - before_.time < speed_time)

@@ -14,16 +14,15 @@
 namespace palpate {
 
 struct LiveLinkOptions {
-  std::string problem;   ///< encodeProblem()
+  std::string problem;   ///< problem to solve, as encodeProblem() returns it
   std::string endpoint;  ///< endpoint of a live solver; empty: start one on this machine
   std::optional<KeyFolder> keys = {};  ///< nullopt if the live solver needs no key
   std::string worker = {};  ///< path of palpate-worker; empty: in the folder of this program
 };
 
 /// Asks a live solver (`palpate follow`) for the equilibria near the hand, in a thread of its own.
-/// If the live solver ends, hangs or cannot be reached, it is restarted or the connection is
-/// renewed, and trouble() reports the problem. Meanwhile the haptic loop continues with the last
-/// equilibria.
+/// If the live solver ends, hangs or cannot be reached, it is restarted or reconnected, and
+/// trouble() reports the problem. Meanwhile the haptic loop continues with the last equilibria.
 class LiveLink {
  public:
   /// `touch` must outlive this object. Error (bad input) for an invalid endpoint.
@@ -56,7 +55,7 @@ class LiveLink {
   zmq::context_t context_;
   zmq::socket_t socket_;
   std::unique_ptr<Follower> follower_;
-  LiveHand before_;  ///< the hand of the last question
+  LiveHand before_;  ///< state of the hand in the last question
 
   mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable changed_;

@@ -16,7 +16,7 @@ inline constexpr std::size_t most_carried_vertices = 65536;
 /// anywhere.
 struct CarriedTouch {
   std::string name;
-  std::vector<std::int32_t> spaces;  ///< indices in CarriedOrgan::spaces: one, or one per site
+  std::vector<std::int32_t> spaces;  ///< indices in CarriedOrgan::spaces; one, or one per site
   double finger_radius = 0;          ///< m; 0: no finger
   /// m, rest position of the active node. Unused for a finger, which rests wherever it touches.
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();
@@ -44,7 +44,7 @@ struct CarriedShapes {
 /// derivatives with respect to its place, and stiffness_by_p) are rounded to 37 significant bits.
 struct CarriedOrgan {
   std::string name;                             ///< name of the scene
-  double max_force = 0;                         ///< N, largest force that the scene asks for
+  double max_force = 0;                         ///< N, force limit of the scene
   std::vector<Eigen::Vector3d> vertices;        ///< m, of the surface at rest
   std::vector<Triangle> triangles;              ///< indices in `vertices`; normals point outward
   std::vector<std::int32_t> touch_of_triangle;  ///< index in `touches`; -1: cannot be touched

@@ -51,7 +51,7 @@ class TouchedOrgan {
   CarriedOrgan organ_;
   std::vector<Touched> touched_;
   std::vector<std::unique_ptr<DisplacementField>> share_fields_;  ///< per space
-  std::vector<float> one_, sum_;                                  ///< per mode
+  std::vector<float> one_, sum_;  ///< per mode: shares of one space, weighted sum of shares
 };
 
 }  // namespace palpate

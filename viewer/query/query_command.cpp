@@ -105,7 +105,7 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   return text + "\n\n";
 }
 
-/// Explains why an answer of an area is not inside.
+/// Explains why `inside` is false in an answer of an area.
 std::string describeFault(const FingerPlace& place, bool in_ball) {
   switch (place.fault) {
     case FingerPlace::Fault::away:
