@@ -104,7 +104,7 @@ std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOp
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();
   app.add_option("--build", options->build,
-                 "Build the dataset of the scene meanwhile, and touch what is finished of it")
+                 "Also build this dataset of the scene, and use its finished sites")
       ->type_name("OUT.h5");
   addTouchOptions(app, *options, *contact);
   app.add_option("--duration", options->duration, "Length of the run, s (0: no limit)")

@@ -359,7 +359,7 @@ typedef struct palpate_touch {
    * while there was a force, or the dataset or method was switched during contact. The guard fades
    * such steps in. */
   int32_t stepped;
-  int32_t inside;         /* 1 only if palpate_sample.inside is 1 in every space that takes part */
+  int32_t inside;         /* 1 only if palpate_sample.inside is 1 in every blended space */
   int32_t triangle;       /* surface triangle in contact; -1: none */
   double force[3];        /* N, on the tool; zero when not touching */
   double stiffness[9];    /* N/m, row major, d force / d tool at a fixed point of contact */
@@ -371,7 +371,7 @@ typedef struct palpate_touch {
   double normal[3];       /* unit outward normal of the surface at rest there */
   double displacement[3]; /* m, of the point of contact: tool - anchor */
   double gap;             /* m, distance to the body when not touching; negative inside the body */
-  int32_t share_count;    /* number of spaces that take part, at most PALPATE_MOST_SHARES */
+  int32_t share_count;    /* number of blended spaces, at most PALPATE_MOST_SHARES */
   int32_t share_spaces[PALPATE_MOST_SHARES];
   double share_weights[PALPATE_MOST_SHARES]; /* sum 1 */
   /* m, length of the part of the displacement that lies beyond the solved region; 0 within the
@@ -415,7 +415,7 @@ PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact,
 /* Computes the deformed surface of a contact. touch: from palpate_contact_update; a copy may be
  * passed to the drawing thread. dataset: that of the contact. displacements: output, displacement
  * of each vertex, m, 3 * vertex_count floats, all zero without contact; `capacity` as in
- * palpate_dataset_vertices. The surface blends the shapes of the spaces that take part, and passes
+ * palpate_dataset_vertices. The surface is a blend of the shapes of these spaces, and passes
  * through the tool. Reads only touching, displacement, beyond, triangle, barycentric, anchor and
  * the shares of the touch. Any thread; allocates, so call it on the drawing thread. */
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,

@@ -14,7 +14,7 @@ namespace {
 OpenLiveService* liveModule() {
   Dl_info here;
   if (dladdr(reinterpret_cast<const void*>(&palpate_live_start), &here) == 0)
-    throw std::runtime_error("the file of libpalpate is unknown");
+    throw std::runtime_error("cannot find the file of libpalpate");
   const std::filesystem::path module =
       std::filesystem::path(here.dli_fname).parent_path() / "palpate/live-" PALPATE_VERSION ".so";
   void* const loaded = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -112,7 +112,7 @@ class HapticLoop {
   std::atomic<bool> halted_ = false;
   std::atomic<bool> lost_ = false;  ///< the device was lost in the last tick
 
-  // Shared by owner, loop and watchdog outside the ticks.
+  // Shared by the owner, the loop's thread and the watchdog, but not used during ticks.
   std::mutex waiting_;
   std::condition_variable woken_;
   bool prepared_ = false;  ///< guarded by waiting_

@@ -41,7 +41,7 @@ class ShearedSegment {
     length_ = direction[z_];
     shear_x_ = direction[x_] / length_;
     shear_y_ = direction[y_] / length_;
-    // Enlarges boxes by the rounding errors of the box test.
+    // Allows for the rounding errors of the box test.
     reach_ = half_.cwiseAbs().array() + 1e-13 * (middle_.cwiseAbs() + half_.cwiseAbs()).sum();
   }
 
