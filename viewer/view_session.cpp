@@ -146,7 +146,8 @@ class ViewSession {
     HapticState nobody;
     nobody.reading.status = DeviceStatus::away;
     const auto seen = [&](const HapticModel& model, double share) {
-      // Without a clock draw nothing here, because the frames must be the same in every run.
+      // In a run without a clock, draw nothing here, because the frames must be the same in every
+      // run.
       if (!picture_ || options_.fast) return true;
       const PictureStatus waiting = {
           .notice = fmt::format("preparing the forces of {}: {:.0f} %", model.name(), 100 * share)};

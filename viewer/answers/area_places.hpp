@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Place of a finger on the surface, and the reason if a dataset has no reliable answer there.
+/// Place of a finger on the surface, and, if a dataset has no reliable answer there, the reason.
 struct FingerPlace {
   enum class Fault : std::uint8_t {
     none,

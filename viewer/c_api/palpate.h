@@ -204,10 +204,10 @@ typedef struct palpate_sample {
 
 /* Interpolates force and stiffness in one space. displacement: of the space's active node from its
  * rest position, m. Beyond the solved region, inside is 0. The force then continues from the edge
- * of the region as the gradient of the same energy and only gets stiffer, and the error bound grows
- * with the added force. A NaN in `displacement` gives zero force and inside = 0; an infinite
- * displacement is treated as a very long one. Neither is an error, so that a bad reading does not
- * stop a loop. Any thread, real time (wait-free). */
+ * of the region as the negative gradient of the same energy and only gets stiffer, and the error
+ * bound grows with the added force. A NaN in `displacement` gives zero force and inside = 0; an
+ * infinite displacement is treated as a very long one. Neither is an error, so that a bad reading
+ * does not stop a loop. Any thread, real time (wait-free). */
 PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space,
                                          int32_t method, const double displacement[3],
                                          palpate_sample* sample);
@@ -415,7 +415,7 @@ PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact,
 /* Computes the deformed surface of a contact. touch: from palpate_contact_update; a copy may be
  * passed to the drawing thread. dataset: that of the contact. displacements: output, displacement
  * of each vertex, m, 3 * vertex_count floats, all zero without contact; `capacity` as in
- * palpate_dataset_vertices. The surface is a blend of the shapes of these spaces, and passes
+ * palpate_dataset_vertices. The surface is a blend of the shapes of the touch's spaces, and passes
  * through the tool. Reads only touching, displacement, beyond, triangle, barycentric, anchor and
  * the shares of the touch. Any thread; allocates, so call it on the drawing thread. */
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,

@@ -12,7 +12,7 @@ namespace palpate {
 inline constexpr int place_quantities = 10;
 
 struct HermiteWeights {
-  /// place_quantities rows; place_quantities columns per site.
+  /// Matrix with place_quantities rows, and place_quantities columns per site.
   Eigen::MatrixXf coefficients;
   /// Power function of the kernel (Wu and Schaback 1993), without noise: standard error of the
   /// interpolated energy at the place, relative to the standard error without any site. 0 at a

@@ -15,9 +15,9 @@ namespace palpate {
 ///
 /// where E_n is the third-order expansion of the energy at equilibrium n. The weight w_n falls
 /// steeply with the distance of (s, p) from that equilibrium and is zero beyond its reach; b is a
-/// small constant. So E follows the live solver near an equilibrium, and the area far from both.
-/// When an expansion is added, the blend fades to the new pair. While neither the expansions nor
-/// the fade change, force and drive are the negative gradient of one energy.
+/// small constant. So E follows the live solver near an equilibrium, and the area far from both
+/// equilibria. When an expansion is added, the blend fades to the new pair. While neither the
+/// expansions nor the fade change, force and drive are the negative gradient of one energy.
 ///
 /// One thread. Real time: does not allocate, lock, throw or log.
 class LiveCorrection {

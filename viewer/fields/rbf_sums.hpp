@@ -20,9 +20,9 @@ struct RbfSums {
   double gradient[3][3] = {};  ///< [component][axis]
 };
 
-/// Returns the sums for phi(r) = r at p, in the unit of the centres. At a centre, the derivative of
-/// that centre's term is undefined and set to zero. Real time: does not allocate, lock, throw or
-/// log.
+/// Returns the sums for phi(r) = r at p, a position in the unit of the centres. At a centre, the
+/// derivative of that centre's term is undefined and set to zero. Real time: does not allocate,
+/// lock, throw or log.
 RbfSums linearRbfSums(const std::vector<RbfBlock>& blocks, const double (&p)[3]) noexcept;
 
 /// Returns the sums for phi(r) = r^3, in the same way.

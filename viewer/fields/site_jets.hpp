@@ -27,7 +27,7 @@ struct SiteFits {
 /// energy_jets.hpp, so all are twice continuously differentiable. At solved points the derivatives
 /// of E with respect to s and p are exact to the third order, and those with respect to s alone to
 /// the second. Second and third derivatives with respect to p are exact only if they agree with the
-/// points around (LocalFits::judge). Higher derivatives are fitted.
+/// data of the points around (LocalFits::judge). Higher derivatives are fitted.
 struct SiteJets {
   /// `space`: the space of a finger. Error if none of its points is solved.
   SiteJets(const SpaceTable& space, SiteFits& fits)

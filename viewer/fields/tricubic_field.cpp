@@ -44,8 +44,8 @@ Node tricubicAt(const LeafCorners& corners, const std::vector<Node>& nodes,
   return cubicAlong<2>(faces[0], faces[1], local, edge);
 }
 
-/// Finite-difference stencils between slots, and the order in which a refined tree can evaluate
-/// them.
+/// Finite-difference stencils between slots, and the order in which they can be evaluated on a
+/// refined tree.
 ///
 /// A slot (grid vertex) has the level of the coarsest leaf of which it is a corner. A hanging slot
 /// has the level of the coarser leaf from which it is interpolated. Along each axis, the neighbour
@@ -101,8 +101,8 @@ class SlotDifferences {
     return data_.tree.slots()[at(slot)].kind == SlotKind::hanging;
   }
 
-  /// Returns the nearest slot in a direction with data that are known when `slot` is evaluated; -1
-  /// if there is none.
+  /// Returns the nearest slot in a direction, among the slots whose data are known when `slot` is
+  /// evaluated; -1 if there is none.
   std::int32_t neighbour(std::int32_t slot, int axis, int direction, std::int32_t level) const {
     // Tries the edge length of `level` first, then longer ones, because the neighbour may belong
     // only to coarser leaves.

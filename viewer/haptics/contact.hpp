@@ -16,7 +16,7 @@ namespace palpate {
 /// displacement lies in the computed region of all these spaces; otherwise the force is a
 /// continuation.
 struct Touch : ForceSample {
-  Touch() {  // nothing is touched: the force is zero, which is exact
+  Touch() {  // if nothing is touched, the force is exactly zero
     energy = error_bound = 0;
     coverage = 1;
     inside = true;
@@ -72,10 +72,10 @@ struct Touch : ForceSample {
 /// continues, without friction. A tool that enters the body where the surface is not touchable
 /// feels nothing until it has left the body.
 ///
-/// Glued (the paper's mode): the tool grips the nearest touchable point within grab_distance. It
-/// keeps this point while `hold` is true, also when it pulls. The displacement is measured from the
-/// tool position at the grip. After release() the tool can grip again once `hold` was false or the
-/// tool was farther away than grab_distance.
+/// Glued (the paper's mode): the tool grips the nearest touchable point within grab_distance. The
+/// tool keeps this point while `hold` is true, also when it pulls. The displacement is measured
+/// from the tool position at the grip. After release() the tool can grip again once `hold` was
+/// false or the tool was farther away than grab_distance.
 ///
 /// One thread. update(), use() and replace() are real time: they do not allocate, lock, throw or
 /// log.

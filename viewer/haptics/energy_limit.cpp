@@ -163,7 +163,7 @@ double EnergyLimit::returned(double force, double stiffness, const Outward& path
 }
 
 /// Returns the largest force, N, for which the available energy suffices to hold it for a period
-/// and then reduce it by max_slew.
+/// and then reduce it at the rate max_slew.
 double EnergyLimit::releasable(double force, const Outward& path) const noexcept {
   const double end = delay_ + hold_, speed = path.speedAt(end);
   const double motion = path.at(end) - path.at(delay_), most = available(path);

@@ -26,7 +26,7 @@ namespace palpate {
 /// the force begins to act. The energy that the loop created is thus taken back before the hand
 /// reaches the undeformed surface. The force falls below the tissue's force by at most `damping` K
 /// (D + T/2) v, so it does not jump when the motion reverses. The force is also limited so that the
-/// available energy suffices to hold it for a period and then reduce it by max_slew.
+/// available energy suffices to hold it for a period and then reduce it at the rate max_slew.
 ///
 /// After a tenth of a second at rest a deficit of energy is forgiven. A device rounds positions to
 /// multiples of a step, and the position of a hand at rest can flicker between two multiples. A

@@ -96,8 +96,9 @@ class ForceRamp {
 /// 4. Energy: the hand gets back no more energy than it put in (EnergyLimit). A step may change the
 ///    stored energy by any amount without work of the hand, so the energy sums are restarted in
 ///    every tick until the ramp ends.
-/// 5. Slew: the force changes by at most max_slew.
-/// 6. Stall: after `stall` seconds without a fresh reading, the force goes to zero at max_slew.
+/// 5. Slew: the force changes at most at the rate max_slew.
+/// 6. Stall: after `stall` seconds without a fresh reading, the force goes to zero at the rate
+///    max_slew.
 ///
 /// If the device is lost or the loop hung, the force is zero at once, and all earlier ticks are
 /// forgotten. Numbers beyond 1e9 (N, m, J) are treated as not finite. Deterministic: the output

@@ -24,7 +24,7 @@ struct HeldForces {
   /// the device held zero force.
   std::uint16_t newest = 1, oldest = 1;
   double delay = 0;     ///< time from the reading until the force computed from it acts, s
-  double interval = 0;  ///< time since the previous reading, s; 0: one period per tick since then
+  double interval = 0;  ///< time since the previous reading, s; 0: unknown, one period per tick
   double hold = 0;      ///< time for which a force is held, s; 0: one period
   bool operator==(const HeldForces&) const = default;
 };

@@ -31,8 +31,8 @@ struct LoopOptions {
 ///
 /// The loop sleeps until absolute times (clock_nanosleep, CLOCK_MONOTONIC), so the rate does not
 /// drift. A tick that ends after the start of the next one is a missed deadline; the loop then
-/// continues from the current time and does not catch up. A miss is the program's if the tick took
-/// more processor time than the period, otherwise the operating system's.
+/// continues from the current time and does not catch up. A miss is attributed to the program if
+/// the tick took more processor time than the period, otherwise to the operating system.
 ///
 /// If no tick ends for `watchdog` seconds, the watchdog thread halts the device and counts the
 /// halt. When the ticks continue, the loop starts from zero force (Guarded::late). It also does so

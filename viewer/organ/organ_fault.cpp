@@ -70,8 +70,8 @@ std::string faultOfPoints(const SpaceTable& space) {
 }
 
 /// Also refuses shares of more than a million radii. Real shares are smaller, because modes are
-/// orthonormal and a shape moves with the tool. With such large shares, interpolated shapes would
-/// be nothing but rounding errors.
+/// orthonormal and displacements are about as large as that of the tool. With such large shares,
+/// interpolated shapes would be nothing but rounding errors.
 std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTable>& spaces) {
   // False for NaN.
   const auto areWithin = [](const std::vector<float>& values, double most) {
