@@ -130,7 +130,7 @@ typedef struct palpate_space_info {
   int32_t vertex;
   double rest_position[3]; /* m, of the active node; for a finger, its centre */
   double workspace_radius; /* m; displacements up to this length were solved */
-  double spacing;          /* m, between neighbouring solved displacements before refinement */
+  double spacing;          /* m, distance of neighbouring solved displacements before refinement */
   double largest_force;    /* N, magnitude of the largest solved force */
 } palpate_space_info;
 
@@ -509,7 +509,7 @@ typedef struct palpate_guard_options {
   double ramp;      /* s, > 0, over which a step of the force is faded in; default 0.05 */
   /* s, > 0: the force goes to zero after this time without a fresh reading; default 0.02 */
   double stall;
-  double max_stiffness; /* N/m, > 0, of the device; default 400; has no effect at present */
+  double max_stiffness; /* N/m, > 0: limit of the device; default 400; has no effect at present */
   double energy_credit; /* J, >= 0: largest energy surplus or deficit kept; default 1e-4 */
   /* s, >= 0, at most 30 periods: time from the reading of a position until the force computed from
    * that position acts. Default 0: the force is sent within the period of the call and acts at

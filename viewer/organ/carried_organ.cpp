@@ -42,7 +42,7 @@ Error damaged(std::string_view how) {
       how);
 }
 
-// The functions carry... describe the format once, for both directions: they visit all numbers of
+// The functions `carry...` describe the format once, for both directions: they visit all numbers of
 // an organ. With an OrganWriter they append each number to the bytes; with an OrganReader they read
 // it from the bytes. The reader checks numbers that could make it allocate too much memory.
 
