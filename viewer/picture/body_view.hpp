@@ -57,14 +57,14 @@ class BodyView {
   void deform(const Touch& touch);
   /// Computes positions, normals and colours. Call after deform().
   ///
-  /// method: must be prepared; its error bounds take a few milliseconds when they are first shown.
-  /// If pressures are missing or not prepared yet, the surface is shown as tissue.
+  /// method: must be prepared. Showing its error bounds for the first time takes a few
+  /// milliseconds. If pressures are missing or not prepared yet, the surface is shown as tissue.
   void shade(SurfaceColour colour, std::int32_t method);
 
   // These functions change OpenGL's state, and require its default state when they are called
   // (Stage).
   void draw(const SoftLight& light) const;
-  /// Draws the soft edges and the ghost. Call it when the body and its background have been drawn.
+  /// Draws the soft edges and the ghost. Call it after the body and its background are drawn.
   void drawOver(const SoftLight& light);
 
  private:

@@ -12,8 +12,8 @@ namespace palpate {
 Contour::Contour(std::span<const std::uint32_t> corners)
     : corners_(corners.begin(), corners.end()), faces_eye_(corners.size() / 3) {
   PALPATE_ASSERT(corners.size() % 3 == 0, "each triangle must have three corners");
-  std::map<std::array<std::uint32_t, 2>, std::uint32_t> open;  // triangle of each edge whose second
-                                                               // triangle is not found yet
+  std::map<std::array<std::uint32_t, 2>, std::uint32_t> open;  // first triangle of each edge whose
+                                                               // second triangle is not found yet
   for (std::uint32_t t = 0; t < faces_eye_.size(); ++t)
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t a = corners[3 * t + c], b = corners[3 * t + (c + 1) % 3];

@@ -17,8 +17,8 @@ class Contour {
  public:
   /// corners: three vertices per triangle of a closed surface.
   explicit Contour(std::span<const std::uint32_t> corners);
-  /// Returns the edges as two vertices each; the result is valid until the next call. positions:
-  /// one column per vertex. Does not allocate.
+  /// Returns the silhouette edges, two vertices per edge. The result is valid until the next call.
+  /// positions: one column per vertex. Does not allocate.
   std::span<const std::uint32_t> edges(const Eigen::Matrix3Xf& positions,
                                        const Eigen::Vector3f& eye);
 

@@ -20,15 +20,15 @@ constexpr float margin_left = 48, margin_right = 28, margin_top = 32, margin_bot
 constexpr float legend_left = 14, legend_top = 8, legend_gap = 18;
 constexpr float key_length = 16, key_gap = 5, band_height = 8;
 constexpr float label_gap = 8, time_gap = 3;
-constexpr float closest_points = 4;  // between points of a curve
-constexpr float least_step = 26;     // between lines of the grid
+constexpr float closest_points = 4;  // px, least distance between two points of a curve
+constexpr float least_step = 26;     // px, least distance between two lines of the grid
 
 constexpr double headroom = 1.08;       // upper end of the axis, relative to the largest force
 constexpr double smallest_limit = 0.5;  // N: smallest end of the axis
-constexpr int most_steps = 2;           // of the grid, on either side of zero
+constexpr int most_steps = 2;           // lines of the grid on either side of zero
 constexpr std::array<ImU32, 4> curve_colours = {axis_colours[0], axis_colours[1], axis_colours[2],
                                                 IM_COL32(30, 30, 36, 255)};
-/// Of the curves, then of the band.
+/// Names of the curves, then of the band.
 constexpr std::array<const char*, 5> legend_names = {"x", "y", "z", "|F|", "error bound"};
 constexpr const char* plot_title = "force on the tool, N";
 constexpr const char* short_plot_title = "force, N";
@@ -37,8 +37,8 @@ constexpr ImU32 band_colour = IM_COL32(30, 30, 36, 46);
 /// Maps times and forces to the screen.
 struct PlotArea {
   ImVec2 from, to;
-  double end = 0;    ///< s, at the right edge
-  double limit = 1;  ///< N, at the upper edge; the lower edge is -limit
+  double end = 0;    ///< time at the right edge, s
+  double limit = 1;  ///< force at the upper edge, N; -limit is at the lower edge
   ImVec2 at(double time, double force) const {
     const double across = 1 - (end - time) / ForceHistory::span, up = 0.5 * (1 + force / limit);
     return {static_cast<float>(std::lerp(from.x, to.x, across)),
@@ -85,7 +85,7 @@ void plotBand(ImDrawList& draw, const PlotArea& area, const ForceHistory& histor
 }
 
 void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
-  // More points than this would cost time and could not be seen.
+  // Draw one point per slot; more points would cost time and could not be seen.
   const double slot_length = ForceHistory::span * closest_points / (area.to.x - area.from.x);  // s
   std::vector<ImVec2> points;
   points.reserve(history.samples().size());
@@ -107,7 +107,7 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
   }
 }
 
-/// Returns the width of the title and of all entries with their keys.
+/// Returns the width of the title and of all entries of the legend with their keys.
 float plotLegendWidth() {
   float width = ImGui::CalcTextSize(plot_title).x;
   for (const char* const name : legend_names)

@@ -9,10 +9,10 @@ namespace palpate {
 
 /// Text for the user about a bit of Guarded.
 struct LampText {
-  const char* words;  ///< one to three: why the force in the hand differs from the tissue's force
+  const char* words;  ///< one to three: why the felt force differs from that of the tissue
   const char* sentence;
 };
-/// By bit.
+/// Indexed by the number of the bit.
 inline constexpr std::array<LampText, guard_count> lamp_texts = {
     {{"fading in", "The force has made a step, which is being faded in."},
      {"damping", "The loop has created energy, which is being damped."},
@@ -21,7 +21,7 @@ inline constexpr std::array<LampText, guard_count> lamp_texts = {
      {"no new position",
       "The device has sent no new position for a while: the force goes to zero."},
      {"device lost", "The device is unplugged or does not answer."},
-     {"invalid reading", "The position or the force was not finite and counts as zero."},
+     {"invalid reading", "The position or the force was not finite: the force goes to zero."},
      {"computer too slow", "The loop was delayed; the force restarts from zero."},
      {"deeper than computed",
       "Nothing was computed this deep: a wall, not the tissue, pushes back."}}};

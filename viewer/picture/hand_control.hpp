@@ -16,7 +16,7 @@ struct PersonsInput {
 };
 
 /// Passes the input by mouse and keys to the hand or to the camera, and provides the marks to show.
-/// Independent of the graphics. One thread.
+/// Makes no OpenGL calls. One thread.
 class HandControl {
  public:
   /// Handles the input of one frame for the model in `state`, and updates marks(). Returns the

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double turned_per_frame = 0.2;  // fraction of the remaining turn in one frame; avoids
                                           // jumps to the other side
-constexpr double high = 0.5;              // in extents: a tool at this height casts no shadow
+constexpr double high = 0.5;  // height in radii of the body; a tool this high casts no shadow
 constexpr double darkest = 0.45;
 constexpr double contact_reach = 1.7;  // in radii of the tool
 

@@ -8,8 +8,7 @@
 namespace palpate {
 
 /// Pose of a tool as a hand would hold it: away from the skin and toward the eye, so that it hides
-/// little of the touched place. It is updated with every frame. Independent of the graphics. One
-/// thread.
+/// little of the touched place. It is updated with every frame. Makes no OpenGL calls. One thread.
 class HeldTool {
  public:
   /// state: state of the loop, which touches `model`. there: whether the tool is in the scene; if

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// Allows for rounding, so that points exactly half a spacing away are shown on both sides of the
-/// plane.
+/// Allows for rounding: points exactly half a spacing away from the plane are shown, on both sides
+/// of it.
 constexpr double slack = 1 + 1e-9;
 
 bool keeps(const std::optional<LatticeCut>& cut, const Eigen::Vector3d& displacement,

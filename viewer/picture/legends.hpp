@@ -10,8 +10,7 @@ namespace palpate {
 /// Draws the legends of the colours that surface and lattice show, at the lower left. Returns the
 /// part of the view that they cover.
 ///
-/// size: of the view or, if there is a hint, of the part above the hint. The upper left corner is
-/// 0.
+/// size: size of the part of the view to draw in; its upper left corner is 0.
 ScreenBox drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
                       ImVec2 size);
 

@@ -19,8 +19,8 @@ constexpr double lifted = 0.75;         // share of that distance; a tool that h
                                         // far may go to another place
 constexpr double fastest = 6;           // radii of the body per second, along the skin
 constexpr double stroke = 0.015;        // heights of the view per stroke of an arrow key
-constexpr double longest_step = 0.05;   // s, longest time step; a slower frame moves the tool no
-                                        // further
+constexpr double longest_step = 0.05;   // s, longest time step; after a longer frame the tool moves
+                                        // no farther
 
 /// Returns whether two places are equal. Two places that are not finite are equal too.
 bool same(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -65,7 +65,7 @@ void MouseHand::use(const HapticModel& model, bool glued) {
   radius_ = sphereAround(model.surface().vertices()).radius;
 }
 
-/// Returns the place where a press by key begins if the pointer is over no place.
+/// Returns the place where a press by key begins if the pointer is over no touchable place.
 PointedPlace MouseHand::placeInFront(const OrbitCamera& camera) const {
   const auto middle = placeUnder(model_->surface(), camera, Eigen::Vector2d::Zero());
   if (middle && middle->touchable) return *middle;

@@ -52,7 +52,7 @@ class MouseHand {
   /// Returns whether the tool presses or grips. Button and wheel then belong to the hand, not to
   /// the camera.
   bool holds() const { return held_; }
-  /// Returns whether the tool is held by the key, so that there is no button to release.
+  /// Returns whether a key holds the tool, so that there is no button to release.
   bool holdsByKey() const { return held_ && by_key_; }
   /// Returns the place under the pointer, which may be touchable or not.
   const std::optional<PointedPlace>& seen() const { return seen_; }
@@ -85,10 +85,10 @@ class MouseHand {
   HandInput last_;
   Eigen::Vector2d pointed_ = HandInput().pointer;  ///< position of the pointer when it chose the
                                                    ///< place
-  std::optional<double> wanted_;                   ///< depth to reach, m, along the inward normal;
-                                                   ///< empty unless held
-  double depth_ = 0;                               ///< current depth, m; negative outside the body
-  /// displacement from the place, m; glued only
+  std::optional<double> wanted_;  ///< depth to reach, m, along the inward normal; kept after a
+                                  ///< release; empty before the first press
+  double depth_ = 0;              ///< current depth, m; negative outside the body
+  /// displacement of the tool from the place, m; glued only
   Eigen::Vector3d pulled_ = Eigen::Vector3d::Zero();
   MouseTarget target_;
 };

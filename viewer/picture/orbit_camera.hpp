@@ -32,8 +32,8 @@ class OrbitCamera {
   /// Returns the camera's axes as columns: right, up, and back (toward the viewer).
   Eigen::Matrix3d axes() const;
   double distance() const { return distance_; }  ///< m, from position() to the centre of rotation
-  double near() const;                           ///< m, clipping planes in front of and behind the
-                                                 ///< framed sphere
+  /// Return the distances of the clipping planes before and behind the framed sphere, m.
+  double near() const;
   double far() const;
 
   /// Returns the screen position of a point in x and y. z is its distance from the plane of the

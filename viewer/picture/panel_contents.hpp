@@ -52,7 +52,7 @@ struct BesideContents {
   std::string dataset, tissue;  ///< name and material of the other dataset
   ViewLabel label = {};         ///< at the arrow of the other dataset
   double force = 0;             ///< force of its tissue, N
-  std::string sentence = {};    ///< reason why this touch does not exist there; empty if it does
+  std::string sentence = {};  ///< reason why that dataset cannot repeat the touch; empty if it can
   /// Reason why the other body does not show the chosen colours; empty if it does.
   std::string colourless = {};
 };
@@ -70,7 +70,8 @@ struct Choice {
   double prepared = 1;  ///< progress of its preparation; it can be chosen at 1
 };
 
-/// Contents of the panels in one frame. The references need to be valid during the call only.
+/// Contents of the panels in one frame. The references must be valid only during the call that
+/// receives this object.
 struct PanelContents {
   const HapticState& state;
   const PictureStatus& status;
@@ -82,7 +83,7 @@ struct PanelContents {
   std::vector<Choice> methods = {};      ///< methods of the model in use
   std::vector<std::string> spaces = {};  ///< names of the active nodes of the model in use
   std::string dataset, tissue;           ///< name and material of the model in use
-  Eigen::Vector3d middle = {0, 0, 0};    ///< middle of the body, m; the scale bar is valid at this
+  Eigen::Vector3d middle = {0, 0, 0};    ///< middle of the body, m; the scale bar is valid at its
                                          ///< depth
   double full_colour = 0.01;             ///< end of the displacement scale, m
   PressureContents pressure = {};

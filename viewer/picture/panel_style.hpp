@@ -10,7 +10,7 @@ inline constexpr ImU32 red = IM_COL32(196, 30, 30, 255), blue = IM_COL32(24, 84,
 inline constexpr ImU32 amber = IM_COL32(240, 150, 10, 255), amber_ink = IM_COL32(158, 88, 0, 255);
 inline constexpr ImU32 white = IM_COL32(255, 255, 255, 255), paper = IM_COL32(255, 255, 255, 225);
 inline constexpr ImU32 line_grey = IM_COL32(214, 219, 227, 255);
-/// Colours of the axes x, y, z, the same everywhere.
+/// Colours of the axes x, y and z in the plot and in the view.
 inline constexpr ImU32 axis_colours[] = {IM_COL32(214, 84, 0, 255), IM_COL32(0, 140, 100, 255),
                                          IM_COL32(0, 104, 190, 255)};
 
@@ -20,8 +20,7 @@ inline constexpr float text_size = 15;
 /// text.
 inline float px(float length) { return length * ImGui::GetFontSize() / text_size; }
 
-/// Flags of panels with a fixed place. They have no background of their own; Stage::render() clears
-/// it.
+/// Flags of panels with a fixed place. The panels draw no background; Stage::render() draws it.
 inline constexpr ImGuiWindowFlags fixed_panel =
     ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBackground |

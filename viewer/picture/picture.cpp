@@ -91,8 +91,9 @@ struct Picture::Impl {
     camera.frame(sphere.centre, sphere.radius, static_cast<double>(part.width) / part.height);
   }
 
-  /// Returns the input by mouse. part: the part of the view that shows the touched body. A position
-  /// over the body beside it is mapped to this part.
+  /// Returns the input by mouse. part: the part of the view that shows the touched body. If a
+  /// second body is drawn to the right of it, a position there is moved to the same place in
+  /// `part`.
   MouseMotion mouse(const Viewport& part) const {
     const ImGuiIO& io = ImGui::GetIO();
     const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y),
@@ -138,7 +139,7 @@ struct Picture::Impl {
       const std::size_t method = at(state.method);
       beside = {&other, sameTouch(inUse().model(), state.touch, other.model(), method)};
       // If the other dataset cannot repeat this touch, the two are not compared and each has its
-      // own scale. A larger scale would make the colours of the other one pale.
+      // own scale. The larger of two scales would make the colours of the other body pale.
       const bool compared = beside->touch.has_value();
       if (compared) other.useScaleOf(inUse());
       showBody(other, beside->touch.value_or(Touch()), state.method);
@@ -150,8 +151,8 @@ struct Picture::Impl {
   void showTool(const HapticState& state, const PictureStatus& status) {
     held.update(inUse().model(), state, control.toolIsThere(state, status), shot.camera,
                 inUse().sphere().radius);
-    // The scale stops growing at the device's largest force, because the arrow has its full length
-    // then.
+    // The rounded end of the scale is at most the device's largest force, so that the arrow of this
+    // force has its full length.
     const double force = state.force.norm();
     if (force > full_force)
       full_force = std::max(force, std::min(roundUp(force), status.max_force));

@@ -33,7 +33,7 @@ class Picture {
                    const PictureOptions& options = {});
   ~Picture();
 
-  /// Shows these models from now on. The view stays if the body has the same place and size.
+  /// Replaces the models by as many others, in the same order. The camera does not move.
   void replace(const std::vector<const HapticModel*>& models);
 
   /// Returns whether the user or the system closed the window. The window stays visible until this

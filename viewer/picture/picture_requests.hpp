@@ -14,11 +14,11 @@ struct PictureRequests {
   };
   std::optional<Use> use;  ///< switch to another dataset or method
   bool release = false;    ///< end the contact
-  bool pause = false;      ///< the key was pressed: pause, or continue after a pause
+  bool pause = false;      ///< pause, or continue after a pause
   bool reload = false;     ///< read the datasets again
   bool quit = false;       ///< the quit key was pressed; wantsClose() tells whether the window was
                            ///< closed
-  /// Position of the tool by mouse and keys; empty if another device moves the tool.
+  /// Position to which mouse and keys move the tool; empty if another device moves it.
   std::optional<MouseTarget> tool;
 };
 

@@ -13,7 +13,7 @@ struct PictureStatus {
   std::string trouble = {};  ///< sentences about problems of device and loop, shown in red; empty
                              ///< if there are none
   std::string notice = {};   ///< any other message, shown in blue; empty if there is none
-  double max_force = 3.3;    ///< largest force of the device, N; the longest arrow shows it
+  double max_force = 3.3;    ///< largest force of the device, N; upper limit of the arrow's scale
   bool mouse = false;        ///< the device is the mouse of the picture
   ContactMode contact = ContactMode::unilateral;  ///< mode of the loop
   bool paused = false;

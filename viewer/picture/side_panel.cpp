@@ -179,7 +179,7 @@ void tissueNumbers(const PanelContents& contents) {
   row("passivity", fmt::format("{:.2f} mJ", 1e3 * contents.state.passivity));
   if (!touch.touching) return;
   const Eigen::Vector3d u = 1e3 * touch.displacement;
-  // Leave out the unit, for which a narrow panel has no room.
+  // Leave out the unit: a narrow panel has no room for it.
   row("pressed", fmt::format("({:.1f}, {:.1f}, {:.1f})", u.x(), u.y(), u.z()));
   row("stiffness", stiffnessText(touch.stiffness));
   row("coverage", fmt::format("{:.0f} %{}", 100 * touch.coverage, touch.inside ? "" : ", outside"));

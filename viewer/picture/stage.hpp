@@ -40,8 +40,8 @@ struct Shot {
 /// is current. Must be destroyed before the Window.
 class Stage {
  public:
-  /// Draws a shot into a part of the window. clear: first clears the whole window, with the
-  /// background of the panels outside of the part. Restores OpenGL's state except its matrices.
+  /// Draws a shot into a part of the window. clear: first fills the whole window with the
+  /// background of the panels. Restores OpenGL's state except its matrices.
   void render(const Shot& shot, const Viewport& viewport, bool clear = true) const;
 
  private:

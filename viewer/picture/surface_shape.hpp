@@ -13,7 +13,7 @@ namespace palpate {
 
 /// A deforming surface as arrays for a graphics card: positions, smooth normals and colours of
 /// vertices, in float32. A coarse surface is rounded, which adds vertices between the given ones
-/// (SurfaceRounding). The given vertices come first in the arrays. Independent of the graphics. One
+/// (SurfaceRounding). The given vertices come first in the arrays. Makes no OpenGL calls. One
 /// thread; the setters do not allocate.
 class SurfaceShape {
  public:
@@ -45,8 +45,8 @@ class SurfaceShape {
   std::span<const std::uint32_t> colours() const { return colours_; }
   /// Returns the corners of all triangles, three vertices per triangle.
   std::span<const std::uint32_t> corners() const { return corners_; }
-  /// Returns 1 for a touchable vertex and 0 for others. A smooth transition hides the triangles
-  /// along the border.
+  /// Returns a value per vertex: 1 if it is touchable, 0 if not. Values between 0 and 1 along the
+  /// border hide the edges of its triangles.
   std::span<const float> felt() const { return felt_; }
   double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of displacement, m
   double largest() const { return largest_; }                           ///< of these lengths, m

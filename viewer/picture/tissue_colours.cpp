@@ -9,13 +9,13 @@ namespace palpate {
 namespace {
 
 constexpr Rgb dark_tissue = {120, 44, 36}, light_tissue = {144, 62, 50};
-/// Colour of tissue that is not touchable, which is blended toward this pale pink.
+/// Tissue that is not touchable is blended toward this pale pink.
 constexpr Rgb pale_tissue = {196, 158, 148};
 constexpr double paleness = 0.62;
 constexpr double blotch_frequency = 8;  // blotches per radius of the body
 constexpr double covered_from = 0.2;
-/// Colours at even distances on the scale, 0xRRGGBB. It begins with plum instead of red, because a
-/// blend from red to the blue of viridis passes through grey.
+/// Colours at even distances on the displacement scale, 0xRRGGBB. The scale begins with plum
+/// instead of red, because a blend from red to the blue of viridis passes through grey.
 constexpr std::array<int, 9> hues = {0x7c3e76, 0x684f92, 0x46669e, 0x2a7f93, 0x22968a,
                                      0x36ae74, 0x6fc858, 0xb7de2d, 0xfde725};
 /// The scale PRGn of ColorBrewer (Brewer and Harrower), reversed.

@@ -13,11 +13,11 @@ using Rgb = std::array<double, 3>;
 /// force at a touch, or pressure.
 enum class SurfaceColour : std::uint8_t { tissue, displacement, error, pressure };
 inline constexpr int surface_colour_count = 4;
-/// Returns the colour that follows in a cycle.
+/// Returns the next quantity in the cycle.
 inline SurfaceColour following(SurfaceColour colour) {
   return static_cast<SurfaceColour>((static_cast<int>(colour) + 1) % surface_colour_count);
 }
-/// Returns the name of a colour for people: "tissue", "displacement", "error bound", "pressure".
+/// Returns the name that the user sees: "tissue", "displacement", "error bound" or "pressure".
 const char* word(SurfaceColour colour);
 
 /// Returns the colour of wet tissue.
@@ -29,7 +29,7 @@ Rgb tissueColour(double felt, double blotch = 0.5);
 /// body.
 double blotchAt(const Eigen::Vector3d& scaled);
 
-/// Returns 0 up to `from`, 1 beginning at `to`, and a smooth transition between them.
+/// Returns 0 if x <= `from`, 1 if x >= `to`, and a smooth transition between them.
 double smoothStep(double from, double to, double x);
 
 /// Returns the opacity of a displacement's colour over the tissue. It is 0 without displacement,

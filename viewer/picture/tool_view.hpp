@@ -23,7 +23,7 @@ struct SkinBelow {
   double gap = 0;                                   ///< distance of the tool from this place, m
 };
 
-/// The parts of a hand that are drawn. Metres, scene frame.
+/// A tool to draw, with its force and its contact. Metres, scene frame.
 struct ShownTool {
   double extent = 0.1;  ///< radius of the scene, for parts that have no true size
   ToolShape shape;

@@ -13,11 +13,11 @@ namespace palpate {
 /// (noticeable_force_error). Returns false without contact, and inside the region also if the
 /// method gives no bound.
 bool isUncertain(const Touch& touch);
-/// Returns the label at the arrow of a force: its length, the error bound of the tissue's force,
+/// Returns the label at the arrow of a force: the magnitude, the error bound of the tissue's force,
 /// and a note if the force is uncertain. Empty if there is neither contact nor force.
 std::string forceText(const Eigen::Vector3d& force, const Touch& touch);
-/// Returns the reason why the dataset beside the touched one is not touched. one_mesh: whether both
-/// have the same mesh. one_scale: whether one camera shows both well.
+/// Returns the reason why the dataset shown beside the touched one cannot repeat the touch.
+/// one_mesh: whether both have the same mesh. one_scale: whether one camera shows both well.
 std::string untouchedText(bool one_mesh, bool one_scale);
 /// Returns the material of the first region, and the number of further regions: "Mooney-Rivlin,
 /// Young's modulus 3.6 kPa".

@@ -17,8 +17,8 @@ struct ProfilePoint {
 class TurnedSolid {
  public:
   /// profile: its points from below to above, at least two; repeat a point for a sharp edge.
-  /// around: number of corners of its circles. A small solid needs few corners; small triangles
-  /// cost more time for their size.
+  /// around: number of corners of its circles. A small solid needs few corners. Many small
+  /// triangles would take much time.
   TurnedSolid(std::span<const ProfilePoint> profile, int around);
   static TurnedSolid ball();                ///< radius 1 around the origin
   static TurnedSolid cylinder(int around);  ///< radius 1 from z = 0 to 1

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Returns the next choice in a cycle that can be selected; nullopt if there is no other.
+/// Returns the next prepared choice after `current`, in a cycle; nullopt if there is no other.
 std::optional<std::int32_t> following(const std::vector<Choice>& choices, std::int32_t current) {
   for (std::size_t step = 1; step < choices.size(); ++step) {
     const std::size_t next = (static_cast<std::size_t>(current) + step) % choices.size();

@@ -148,7 +148,7 @@ ScreenBox drawSentence(const std::string& sentence, const Viewport& part, float 
   return {{from.x, from.y}, {to.x, to.y}};
 }
 
-/// Texts and marks over one body. Each is placed so that it does not cover those drawn before.
+/// Texts and marks over one body. Each is placed so that it does not cover the earlier ones.
 class Overlay {
  public:
   /// part: part of the view in which the camera shows the body. taken: areas that already have
