@@ -83,7 +83,7 @@ constexpr std::array<Opener, 5> openers = {
 Error unknown(const std::string& text, std::string_view kind, bool with_body) {
   const std::string_view near = nearestWord(kind, mapped(openers, &Opener::kind));
   std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
-  // A word such as "haply" is also the name of a profile: the user may have wanted its limits.
+  // A word such as "falcon" names no device, but a profile, whose limits the user may have wanted.
   if (std::ranges::find(device_words, kind) != device_words.end())
     hint = fmt::format(" (to use its limits: --profile {})", kind);
   return badInput("--device {}: unknown device{}; known: {}", text, hint, deviceHelp(with_body));

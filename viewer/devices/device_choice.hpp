@@ -21,7 +21,7 @@ struct DeviceContext {
   /// them until it reports its own limits.
   DeviceProfile profile = device_profiles.front();
   KeyOptions keys = {};                   ///< key for a device on the network
-  double hand_speed = usual_slide_speed;  ///< m/s, of the virtual hand (touchPath)
+  double hand_speed = usual_slide_speed;  ///< slide speed of the virtual hand (touchPath), m/s
   bool real_time = false;                 ///< see NetworkDeviceOptions::real_time
 };
 

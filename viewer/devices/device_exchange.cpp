@@ -24,7 +24,7 @@ double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) no
 
 DeviceReading DeviceExchange::read(Clock::time_point now) noexcept {
   const Arrival arrival = readings_.read();
-  const std::uint64_t unseen = arrival.number - seen_.number;  // readings that were not seen yet
+  const std::uint64_t unseen = arrival.number - seen_.number;  // readings since the last call
   DeviceReading reading = arrival.reading;
   const std::uint64_t oldest = std::min(arrival.oldest, unseen == 2  ? arrival.before
                                                         : unseen > 2 ? seen_.newest
@@ -56,7 +56,7 @@ void DeviceExchange::deliver(const DeviceReading& reading, Clock::time_point now
 
 Eigen::Vector3d DeviceExchange::force(Clock::time_point now) noexcept {
   constexpr int share = 64;          // next_.turn decays by 1/share per turn
-  constexpr double at_once = 0.125;  // fraction of a turn: a shorter delay counts as none
+  constexpr double at_once = 0.125;  // fraction of a turn; a shorter delay is ignored
   if (taken_ != Clock::time_point{})
     next_.turn =
         std::max(std::min<Clock::duration>(now - taken_, silence), next_.turn - next_.turn / share);

@@ -44,7 +44,7 @@ class DeviceExchange {
   /// Returns the last force that was written, N; zero while halted or if that force is not finite.
   /// The exchange assumes that the device holds this force until the next call.
   Eigen::Vector3d force(Clock::time_point now = Clock::now()) noexcept;
-  /// Describes the current problem as a sentence; empty if there is no problem. Any thread.
+  /// Set and return a sentence about the current problem; empty if there is none. Any thread.
   void setTrouble(const std::string& sentence);
   std::string trouble() const;
 
@@ -52,12 +52,13 @@ class DeviceExchange {
   struct Arrival {
     DeviceReading reading;
     Clock::time_point time{};
-    /// Numbers of forces; 0 means zero force. oldest, newest: held between the previous reading and
-    /// this one. before: the oldest force held in the interval before that.
+    /// Serial numbers of forces (NumberedForce::number); 0 stands for zero force. Between the
+    /// previous reading and this one the device held the forces from `oldest` to `newest`. `before`
+    /// is `oldest` of the previous reading.
     std::uint64_t oldest = 0, newest = 0, before = 0;
-    Clock::duration turn{};    ///< time between two calls of force(): a recent maximum
-    Clock::duration offset{};  ///< from a reading to the next call of force()
-    std::uint64_t number = 0;  ///< the reading's number
+    Clock::duration turn{};    ///< recent maximum of the time between two calls of force()
+    Clock::duration offset{};  ///< last time from a reading to the next call of force()
+    std::uint64_t number = 0;  ///< serial number of the reading
   };
   struct NumberedForce {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();

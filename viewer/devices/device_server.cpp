@@ -111,7 +111,7 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
                                     device_protocol, greeting.protocol()));
   if (!holder_.empty() && holder_ != peer)
     return refuse(peer, "another simulator is using the device");
-  // Release the device even if this client holds it: a client that greets again has lost its state.
+  // Release the device even if this client holds it: a greeting always begins a new session.
   release();
   holder_ = peer;
   last_heard_ = Clock::now();
@@ -139,7 +139,7 @@ void DeviceServer::follow(const wire::DeviceForce& message) {
   const std::chrono::duration<double> validity(message.valid_for_s());
   const bool valid = force.allFinite() && validity > 0s && validity <= longest_validity;
   if (!valid) return count(&State::garbage);
-  // Skip forces that arrive out of order. The client continues its numbers when it greets again.
+  // Skip forces that arrive out of order. A client that greets again need not restart its numbers.
   if (message.sequence() <= last_force_) return;
   last_force_ = message.sequence();
   const auto answered = sentAt(message.reading());
@@ -167,7 +167,7 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   while (now - sent_.front() > longest_validity) sent_.pop_front();
   setVector(content, reading.position);
   content.set_buttons(reading.buttons);
-  // The protocol has no `away`. It is sent as lost, because the position is meaningless in both.
+  // The protocol has no status `away`. It is sent as lost: in both states there is no position.
   content.set_lost(reading.status == DeviceStatus::lost || reading.status == DeviceStatus::away);
   content.set_trouble(trouble_);
   // A client that does not read misses the message.

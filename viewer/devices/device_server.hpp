@@ -30,9 +30,9 @@ class DeviceServer {
  public:
   struct State {
     bool held = false;           ///< a client has the device
-    std::uint64_t forces = 0;    ///< number accepted
-    std::uint64_t garbage = 0;   ///< invalid messages, and forces that are not finite
-    std::uint64_t outdated = 0;  ///< forces that arrived too late
+    std::uint64_t forces = 0;    ///< number of accepted forces
+    std::uint64_t garbage = 0;   ///< number of invalid messages and invalid forces
+    std::uint64_t outdated = 0;  ///< number of forces that arrived too late
     std::uint64_t lapses = 0;    ///< number of times that the force expired and was set to zero
     std::string fault;           ///< reason why the thread ended; empty while it runs
   };

@@ -121,7 +121,7 @@ HandPath readHandPath(const std::filesystem::path& file) {
       continue;
     }
     const HandWaypoint waypoint = takeWaypoint(lines);
-    // HandPath checks the order too, but its error could not name the line.
+    // HandPath checks the order too, but cannot name the line.
     if (!waypoints.empty() && waypoint.time <= waypoints.back().time)
       throw lines.wrong("times must increase: {} s follows {} s", waypoint.time,
                         waypoints.back().time);

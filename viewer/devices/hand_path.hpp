@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The position that a hand aims at, at one time.
+/// A position that a hand aims at, and the time for it.
 struct HandWaypoint {
   double time = 0;                                     ///< s, ascending
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, scene frame
@@ -43,7 +43,7 @@ class HandPath {
   /// position in a later round. Real time.
   HandTarget at(double time) const noexcept;
   double beginning() const { return waypoints_.front().time; }              ///< s
-  double duration() const { return waypoints_.back().time - beginning(); }  ///< s, one round
+  double duration() const { return waypoints_.back().time - beginning(); }  ///< of one round, s
   bool repeats() const { return at_end_ == AtEnd::repeats; }
   const std::vector<HandWaypoint>& waypoints() const { return waypoints_; }
 

@@ -30,8 +30,8 @@ constexpr std::size_t longest_frame = 1 << 20;
 constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
 
-/// The web socket. Each call returns after a time limit, or when a stop is requested; the
-/// connection is closed in both cases. read() sends `farewell` before it closes the connection.
+/// The web socket. Each call lasts at most until a time limit or a requested stop; then it closes
+/// the connection. read() sends `farewell` before it closes the connection.
 class Connection {
  public:
   explicit Connection(const std::stop_token& stop) : stop_(stop), socket_(io_) {}
@@ -146,7 +146,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
   };
   std::string id = options_.id, text, told = "not logged yet";
   std::uint64_t malformed = 0;
-  Clock::duration limit = connect_limit;  // limit of the inventory at first, then of each answer
+  Clock::duration limit = connect_limit;  // for the inventory at first, then for each answer
   for (auto next = Clock::now(); !stop.stop_requested();) {
     const std::string zero = id.empty() ? "" : haplyForceMessage(id, Eigen::Vector3d::Zero());
     if (const auto error = connection.read(text, zero, limit)) return sayGone(error);

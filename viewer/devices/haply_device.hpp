@@ -17,9 +17,9 @@ inline constexpr DeviceProfile inverse3_profile{"inverse3", 4, 1000, 0.115};
 struct HaplyDeviceOptions {
   std::string id = {};  ///< "049D", as the service shows it; empty: the first device
   std::uint16_t port = 10001;
-  /// Middle of the workspace relative to the origin of the device's own frame, which lies on the
-  /// mounting plate; along our axes, m. The default is the position of the resting cursor in the
-  /// documentation of the service.
+  /// Middle of the workspace, along our axes, m. It is relative to the origin of the device's own
+  /// frame, which lies on the mounting plate. The default is the position of the resting cursor in
+  /// the documentation of the service.
   Eigen::Vector3d center = {0, 0.15, 0.12};
 };
 
@@ -31,7 +31,8 @@ struct HaplyDeviceOptions {
 /// millisecond we send
 ///   {"inverse3":[{"device_id":ID,"commands":{"set_cursor_force":{"values":{"x":..,"y":..,"z":..}}}}]}
 /// and read inverse3[].state.cursor_position {x,y,z} in metres, and the buttons of a VerseGrip. The
-/// service's frame is right-handed, x to the right, y forward, z up: our x, -z, y.
+/// service's frame is right-handed: its x, y and z axes point to the right, forward and up, along
+/// our x, -z and y axes.
 ///
 /// The device counts as lost after 50 ms without an answer, or if the service no longer lists it.
 /// The connection is restored automatically.

@@ -26,8 +26,8 @@ class MouseDevice : public HapticDevice {
 
  private:
   TripleBuffer<MouseTarget> targets_;
-  double period_, decay_;         ///< s; factor by which the distance to the target decays in one
-                                  ///< period
+  double period_, decay_;         ///< s; factor by which the distance to the target decreases in
+                                  ///< one period
   std::uint32_t appearance_ = 0;  ///< MouseTarget::appearance at the last reading
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero(), velocity_ = Eigen::Vector3d::Zero();
 };

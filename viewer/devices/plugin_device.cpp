@@ -30,8 +30,8 @@ std::string sentenceOf(const char* text) {
 class Plugin {
  public:
   explicit Plugin(const std::filesystem::path& file) {
-    // An absolute path, because dlopen() would search the system's directories for a name without a
-    // slash.
+    // Use an absolute path, because dlopen() would search the system's directories for a name
+    // without a slash.
     const std::string path = std::filesystem::absolute(file).string();
     library_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
     if (!library_)
@@ -161,7 +161,7 @@ class PluginDevice::Session {
     tell(read != PALPATE_DEVICE_OK || written != PALPATE_DEVICE_OK);
   }
 
-  /// Call only after a write: before it, the plug-in still has the force from before the halt.
+  /// Call only after a write: until then, the plug-in has the force from before the halt.
   void resume() noexcept {
     if (!plugin_halted_ || exchange_->halted()) return;
     plugin_halted_ = false;

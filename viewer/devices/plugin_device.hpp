@@ -12,7 +12,7 @@ struct PluginDeviceOptions {
   std::filesystem::path library;
   std::string id = {};       ///< empty: the plug-in's first device
   std::string options = {};  ///< text for the plug-in
-  double period = 1e-3;      ///< s, between reads
+  double period = 1e-3;      ///< time between two reads, s
 };
 
 /// A device of a plug-in (palpate_device.h), a shared library that is loaded at run time.

@@ -15,7 +15,7 @@ class ReplayDevice : public HapticDevice {
  public:
   /// `source` names the recording in messages. `period` is the period of the loop that replays it,
   /// s. Throws Error (bad input) if the recording has no tick, or if its rate is not 1 / `period`:
-  /// the hand would then move at another speed.
+  /// otherwise the hand would move at another speed than in the recording.
   ReplayDevice(Recording recording, double period, std::string source);
 
   DeviceReading read() noexcept override;

@@ -19,8 +19,8 @@ constexpr double shortest_move = 0.2;  ///< s
 constexpr double clearance = 0.025;
 constexpr double pressed_share = 0.35, circle_share = 0.12;  ///< fraction of the workspace radius
 constexpr double largest_force = 1.5;                        ///< N; limits the depth of pressing
-constexpr double travel_speed = 0.15;                        ///< m/s, between active nodes
-constexpr double slide_step = 0.005;                         ///< m, between waypoints of a slide
+constexpr double travel_speed = 0.15;                        ///< speed between active nodes, m/s
+constexpr double slide_step = 0.005;                         ///< m between waypoints of a slide
 /// Largest number of sites in one slide. The hand then lifts off: if the tool has lost contact at a
 /// rim, it can touch the body again only from outside.
 constexpr std::size_t most_slid = 12;
@@ -54,13 +54,13 @@ class PathWriter {
 struct Site {
   Eigen::Vector3d point, normal;  ///< point on the surface at rest, m; outward normal
   double depth;                   ///< m
-  double radius;                  ///< m, of the circle; 0: no circle, slide on to the next site
+  double radius;                  ///< radius of the circle, m; 0: slide on without a circle
 };
 /// Sites that are touched without lifting off: one active node, or several sites of a finger, in
 /// order.
 using Stroke = std::vector<Site>;
 
-/// Returns the largest depth, up to `wanted`, that the hand can press. At this depth and at all
+/// Returns the largest depth, up to `wanted`, to which the hand can press. At this depth and at all
 /// smaller depths the force is known and at most largest_force.
 double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted) {
   for (int step = 1; step <= depth_steps; ++step) {

@@ -6,7 +6,7 @@ namespace palpate {
 
 class HapticModel;
 
-/// m/s, of a finger that slides over an area while it is pressed in
+/// Speed of a finger that slides over an area while it is pressed in, m/s.
 inline constexpr double usual_slide_speed = 0.1;
 
 /// Returns a path on which a hand explores a body for ever. The path depends on the model only.

@@ -34,7 +34,7 @@ class VirtualHand : public HapticDevice {
   /// not positive, or too long for a stable integration.
   VirtualHand(HandPath path, double period, const DeviceProfile& profile);
 
-  /// The first reading is the start of the path, at rest.
+  /// The first call returns the start of the path, at rest.
   DeviceReading read() noexcept override;
   void write(const Eigen::Vector3d& force) noexcept override;
   void halt() noexcept override { halted_ = true; }

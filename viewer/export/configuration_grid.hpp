@@ -10,15 +10,15 @@ namespace palpate {
 
 /// One configuration of a body, with the data about tool and force that are exported with it.
 struct ExportedConfiguration {
-  NodalFields fields = {};                 ///< of the stored nodes, as in Dataset::fields
+  NodalFields fields = {};                 ///< fields of the stored nodes, as in Dataset::fields
   std::vector<std::int32_t> touched = {};  ///< nodes under the tool, sorted
-  /// Rest position of the active node or of the finger's centre, and its displacement: metres.
+  /// Rest position of the active node or of the finger's centre, and displacement of the tool, m.
   Eigen::Vector3d place = Eigen::Vector3d::Zero(), displacement = Eigen::Vector3d::Zero();
   ForceSample sample = {};
   std::optional<Eigen::Vector3d> drive = {};          ///< N, for a finger
-  std::optional<double> way = {};                     ///< m, length of the path up to here
-  std::optional<Eigen::Vector3d> lattice_point = {};  ///< in spacings; set if solved
-  std::optional<double> min_det_F = {};               ///< from the solver; set if solved
+  std::optional<double> way = {};                     ///< length of the tool's path up to here, m
+  std::optional<Eigen::Vector3d> lattice_point = {};  ///< in spacings; only for a solved point
+  std::optional<double> min_det_F = {};               ///< from the solver; only for a solved point
   std::string active = {}, method = {};               ///< names
 };
 
@@ -30,7 +30,7 @@ struct ExportedConfiguration {
 /// the displacement.
 ///
 /// If a quadratic body stores its pressure only at vertices, each mid-edge node gets the mean of
-/// the ends of its edge. This is exact, because such a pressure is linear along edges.
+/// the pressures at the ends of its edge. This is exact, because the pressure is linear there.
 class ConfigurationGrid {
  public:
   /// The dataset must outlive this object.

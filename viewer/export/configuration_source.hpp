@@ -22,7 +22,7 @@ class ConfigurationSource {
   /// Returns the solved configuration at a lattice point, given by its coordinates in spacings.
   /// `active`: name of an active node or of a finger's area. In an area, the point belongs to the
   /// site nearest to `place` (metres). Error (bad input) for an unknown name, a place without a
-  /// finger, an area without a place, and an unsolved point, with its tag and cause.
+  /// finger, an area without a place, and an unsolved point, whose tag and cause the message gives.
   ExportedConfiguration solved(const std::string& active,
                                const std::optional<Eigen::Vector3d>& place,
                                const Eigen::Vector3d& point) const;

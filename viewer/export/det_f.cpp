@@ -12,7 +12,7 @@ namespace {
 
 using Barycentric = Eigen::Vector4d;
 
-/// Appends all points with the coordinates of `point` in any order, each once.
+/// Appends every permutation of the barycentric coordinates of `point` once.
 void addOrders(Barycentric point, std::vector<Barycentric>& points) {
   std::ranges::sort(point);
   do points.push_back(point);

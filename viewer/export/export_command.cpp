@@ -43,8 +43,8 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
     throw badInput("{}: a .vtu file holds one configuration; write a path as .pvd or .csv", name);
 }
 
-/// Warns about touches without a reliable answer, and returns the exit code. outside: their number;
-/// all: number of all touches.
+/// Warns about touches without a reliable answer, and returns the exit code. outside: number of
+/// these touches. all: number of all touches.
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
@@ -179,7 +179,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
   endWhenInterrupted();
   const std::vector<TouchInput> touches =
       touchWay(options.at, options.displacement, options.steps, input, answers.workspaceRadius());
-  // Errors in a touch must be found before any file is replaced.
+  // Evaluate all touches first, so that an error in a touch is found before any file is replaced.
   const std::vector<WayStep> way = followWay(touches, answers);
   if (target.format() == ExportFormat::csv) return exportCurve(way, target, output);
   return exportSeries(dataset, answers, way, target, output);

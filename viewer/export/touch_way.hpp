@@ -19,8 +19,8 @@ inline constexpr int most_steps = 100000;
 /// Returns the touches of a path. They are `steps` + 1 touches on a straight line from rest to the
 /// displacement in `words`. If `words` is "-", the touches are read from the input, one per line
 /// (forEachTouch), and `steps` must be 0. Error (bad input) for no or too many steps, or an empty
-/// input. Error with the exit code of an interrupt if this process is interrupted, which also ends
-/// the input.
+/// input. Error with the exit code of an interrupt if a signal interrupts this process; the signal
+/// also ends the input.
 std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
                                  const std::vector<std::string>& words, int steps,
                                  std::istream& input, double workspace_radius);
@@ -29,8 +29,8 @@ std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
 TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
                      double workspace_radius);
 
-/// Returns the answer for each touch, and the length of the path up to each. For a finger, the
-/// length is measured from the surface points nearest to the requested places. `answers` must be
+/// Returns the answer for each touch, and the length of the path up to each. A finger's position is
+/// its displacement added to the surface point nearest to the requested place. `answers` must be
 /// made with places if the touches have places. Error (bad input) as in ForceAnswers::answer. Error
 /// with the exit code of an interrupt if this process is interrupted.
 std::vector<WayStep> followWay(const std::vector<TouchInput>& touches, const ForceAnswers& answers);

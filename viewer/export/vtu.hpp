@@ -2,8 +2,8 @@
 
 #include "viewer/export/grid.hpp"
 
-// VTK's XML formats. Numbers are base64 in the text ("binary"), not compressed, so that each file
-// is well-formed XML. Raw bytes after the text would be a quarter smaller, but VTK 9.1 cannot read
+// VTK's XML formats. Numbers are written in base64 ("binary"), not compressed, so that each file is
+// well-formed XML. Raw bytes after the text would be a quarter smaller, but VTK 9.1 cannot read
 // them with Expat 2.5.0-1+deb12u5.
 
 namespace palpate {

@@ -24,7 +24,7 @@ constexpr std::array<double, 5> depths = {0.2, 0.4, 0.6, 0.8, 1.0};  ///< multip
 constexpr std::size_t shown_sites = 3;
 constexpr int sideways = 4;  ///< number of directions at 45 degrees to the normal
 
-/// Bound (relative) and force (N) of one displacement at the centroid of a triangle.
+/// Relative error bound and force (N) for one displacement at the centroid of a triangle.
 struct Sample {
   double bound, force;
 };
@@ -112,7 +112,7 @@ void measureDepths(AreaMeasures& measures) {
   }
 }
 
-/// Force of the space of the nearest site alone. Makes the field of a site when it is first used.
+/// Evaluates the space of the nearest site alone. Makes the field of a site when it is first used.
 class NearestSite {
  public:
   explicit NearestSite(const std::vector<const SpaceTable*>& sites)

@@ -6,22 +6,22 @@
 
 namespace palpate {
 
-/// Error bounds of a finger's area at one depth, over its whole surface, and the errors at the
-/// probes that are deeper than the previous depth, but not deeper than this one.
+/// Error bounds of a finger's area at one depth, over its whole surface, and its errors at the
+/// probes between the previous depth and this one.
 struct DepthMeasures {
   double depth = 0;  ///< m, length of the displacements
   Spread bound;      ///< relative to the force, or to force_floor / force_error (AccuracyTarget) if
                      ///< that is larger
-  double force = not_measured;  ///< N, mean over the samples of the bound
+  double force = not_measured;  ///< mean force where the bound is sampled, N
   std::size_t exact = 0;        ///< number of probes
   Spread error;                 ///< relative, like `bound`
 };
 
 /// Errors of an area at the dataset's probes, which are exact solutions at random places. `counts`
-/// covers all probes, the other members only those with a force up to the scene's largest force.
+/// covers all probes, the other members only those whose force is at most the scene's max_force.
 struct AreaProbes {
   ProbeCounts counts;
-  std::size_t unanswered = 0;  ///< probes without a bound of the area
+  std::size_t unanswered = 0;  ///< probes at which the area gives no bound
   ErrorMeasures area;          ///< errors of the area, with the bounds
   Spread error;                ///< relative, as DepthMeasures::error
   ErrorMeasures nearest_site;  ///< errors if only the space of the nearest site is used
@@ -38,13 +38,13 @@ struct AreaProbes {
 };
 
 /// Error bounds of the energy of a finger's area, and its errors at probes. The bounds are sampled
-/// at displacements within 45 degrees of the inward normal, with forces up to the scene's largest.
-/// The probes cover all displacements that contact can reach.
+/// at displacements within 45 degrees of the inward normal whose force is at most the scene's
+/// max_force. The probes cover all displacements that contact can reach.
 struct AreaMeasures {
   std::string name;
   std::size_t sites = 0, collocation_points = 0;
-  double seconds_to_prepare = not_measured, nanoseconds = not_measured;  ///< nanoseconds: of one
-                                                                         ///< query
+  double seconds_to_prepare = not_measured, nanoseconds = not_measured;  ///< nanoseconds: time of
+                                                                         ///< one query
   std::size_t samples = 0;
   Spread bound;  ///< relative, as DepthMeasures::bound
   std::vector<DepthMeasures> depths;
@@ -58,7 +58,7 @@ struct AreaMeasures {
   /// probes that tellingOnes() chooses. ForceWay::sampled holds two interpolations: the area, and
   /// the space of the nearest site alone.
   std::vector<ForceWay> ways;
-  std::size_t jumps = 0;  ///< lattice edges of the sites whose ends are on different branches
+  std::size_t jumps = 0;  ///< lattice edges of all sites with ends on different branches
 };
 
 /// Measures all areas of a dataset, in the order of the scene. Takes a few seconds per area, on all

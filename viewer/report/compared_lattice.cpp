@@ -10,8 +10,8 @@
 namespace palpate {
 namespace {
 
-/// A thinned lattice with a smaller ratio of radius to spacing has too few points. Every 2nd point
-/// is used whatever the ratio.
+/// A thinned lattice with a smaller ratio of radius to spacing has too few points and is left out.
+/// The lattice of every 2nd point is used whatever its ratio.
 constexpr double smallest_ratio = 1.5;
 constexpr double same_spacing = 1e-3;  ///< relative difference up to which two spacings are the
                                        ///< same

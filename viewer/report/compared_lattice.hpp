@@ -7,7 +7,7 @@ namespace palpate {
 /// Returns the space that a build with `factor` times the spacing would have found.
 ///
 /// Keeps the points of the uniform lattice whose coordinates are multiples of `factor` spacings,
-/// with their records, and all probes. Points from refinement and splits are dropped, so factor 1
+/// with their records, and all probes. Points that refinement added are dropped, so factor 1
 /// returns the space before refinement. If the parent of a point is dropped, the origin becomes its
 /// parent. Attempts whose target or parent is dropped are dropped too. Throws Error if factor < 1,
 /// or if factor times the spacing is larger than the radius (isThinnable).
@@ -32,7 +32,7 @@ struct ComparedLattice {
 /// same spacing.
 std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets);
 
-/// Returns the table of active node number `space` on a lattice. `datasets` must outlive the table.
+/// Returns the space of active node number `space` on a lattice. `datasets` must outlive it.
 std::shared_ptr<const SpaceTable> tableOf(const std::vector<Dataset>& datasets,
                                           const ComparedLattice& lattice, std::size_t space);
 

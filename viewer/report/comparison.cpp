@@ -17,7 +17,7 @@ namespace {
 
 constexpr int ball_samples = 13;  ///< samples along one axis of the grid over the ball
 constexpr std::size_t most_differences = 400;
-constexpr int distance_samples = 24;  ///< distances from rest to the sphere
+constexpr int distance_samples = 24;  ///< number of distances from rest to the sphere
 
 /// Spaces of the same active node in the two datasets.
 using SpacePair = std::array<const SpaceTable*, 2>;
@@ -70,8 +70,8 @@ BothFields bothFields(const Comparison& comparison, const SpacePair& pair) {
   return fields;
 }
 
-/// Returns whether a sample can be compared: the field has an answer, and the force is within the
-/// limit of the scene.
+/// Returns whether a sample can be compared: the field has an answer, and the force is at most the
+/// scene's max_force.
 bool isComparable(const ForceSample& sample, const Dataset& dataset) {
   return sample.inside && sample.force.norm() <= dataset.scene().workspace.max_force;
 }

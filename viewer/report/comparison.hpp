@@ -21,9 +21,9 @@ struct ForceAtDistance {
   double difference;     ///< mean magnitude of the vector difference, N
 };
 
-/// An active node that both datasets have, with their forces at the same displacements. A
-/// displacement is compared if it lies in the smaller of the two balls, both datasets answer it,
-/// and both forces are within the limits of their scenes.
+/// An active node of both datasets, with the forces of both at the same displacements. A
+/// displacement is compared if it lies in the smaller of the two balls, both datasets give a force
+/// there, and each force is at most the max_force of its scene.
 struct ComparedPlace {
   std::string name;
   double apart = 0;  ///< distance between the rest positions of the two places, m
@@ -31,7 +31,7 @@ struct ComparedPlace {
   std::size_t displacements = 0;   ///< number of displacements that are compared
   Spread difference;               ///< N, |second force - first force|
   double relative = not_measured;  ///< sum of differences / sum of the forces of the first dataset
-  /// Forces on lines through rest along x, y and z, [axis][dataset]; interpolated by `method` only.
+  /// Forces on lines through rest along x, y and z, [axis][dataset], by Comparison::method only.
   std::array<std::array<ForceWay, 2>, 3> axes;
   std::vector<ForceAtDistance> distances;
 };
@@ -59,9 +59,10 @@ struct Comparison {
                                             ///< remedies
 };
 
-/// Compares two datasets of different scenes by `method`. Compares up to `most_places` active nodes
-/// that have the same name in both datasets; sites of areas must also have the same place. Takes a
-/// few seconds. Throws Error (bad input) if the datasets have no active node in common.
+/// Compares the forces of two datasets of different scenes, interpolated by `method`. Compares up
+/// to `most_places` active nodes that have the same name in both datasets; sites of areas must also
+/// have the same place. Takes a few seconds. Throws Error (bad input) if the datasets have no
+/// active node in common.
 Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& method,
                            std::size_t most_places = 6);
 

@@ -97,7 +97,7 @@ std::vector<std::string> sceneDifferences(const Dataset& a, const Dataset& b) {
 
 void refuseOtherScenes(const std::vector<Dataset>& datasets) {
   for (const Dataset& dataset : datasets)
-    // Comparing each dataset with the first one is enough, because all are shown beside the first.
+    // Comparing each dataset with the first one is enough: all are then of the scene of the first.
     if (const std::vector<std::string> what = sceneDifferences(datasets.front(), dataset);
         !what.empty())
       throw badInput(

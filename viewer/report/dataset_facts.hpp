@@ -29,7 +29,7 @@ DatasetFacts factsOf(const Dataset& dataset);
 /// Number of failures with one cause.
 struct FailureCount {
   std::int64_t points = 0;    ///< lattice points without a solution
-  std::int64_t attempts = 0;  ///< failed transitions; a later one may have reached the point
+  std::int64_t attempts = 0;  ///< failed transitions; a later transition may have reached the point
   std::int64_t probes = 0;
 };
 

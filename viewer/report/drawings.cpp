@@ -26,7 +26,7 @@ double rounded(double value, int figures) {
                               : value;
 }
 
-/// Returns the array of what `draw` returns for each value.
+/// Returns the array of draw(value) for each value.
 template <class Values, class Draw>
 DrawingJson each(const Values& values, Draw draw) {
   DrawingJson array = DrawingJson::array();
@@ -51,7 +51,7 @@ DrawingJson drawnWay(const ForceWay& way) {
           {"sampled", each(way.sampled, forcesOf)}};
 }
 
-/// The surface of a body. Its nodes are renumbered, so that interior nodes have no numbers.
+/// The surface of a body. Its nodes are renumbered without the interior nodes.
 class Surface {
  public:
   explicit Surface(const Dataset& dataset)
@@ -79,8 +79,8 @@ class Surface {
   /// Returns the number of a mesh node on the surface; -1 if the node is inside the body.
   std::int32_t number(std::int32_t node) const { return numbers_[at(node)]; }
 
-  /// Returns a mark: a place on the surface, and all triangles that contain the place, also if it
-  /// is on an edge or a corner. A view shows the mark if it shows one of these triangles.
+  /// Returns a mark: a place on the surface, and the triangles that contain it (several if it is on
+  /// an edge or a corner). A view shows the mark if it shows one of these triangles.
   DrawingJson mark(const Eigen::Vector3d& place) const {
     const Mesh& mesh = dataset_.mesh();
     const SurfacePoint on_surface = nearestOnSurface(mesh, place);
@@ -101,7 +101,7 @@ class Surface {
   std::vector<std::int32_t> numbers_;
 };
 
-/// Returns the provenance of each dataset: a list of terms with their texts, and the whole scene.
+/// Returns the provenance of each dataset: a list of facts (name and text), and the whole scene.
 DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
                          const std::vector<DatasetFacts>& facts) {
   PALPATE_ASSERT(facts.size() == datasets.size(), "each dataset must be described");

@@ -25,8 +25,8 @@ double seconds(Clock::duration duration) { return std::chrono::duration<double>(
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
-  // Use the engine's own numbers: they are the same on all systems, while the numbers of the
-  // library's distributions are not.
+  // Use the numbers of the engine itself, which are the same on all systems, unlike those of the
+  // library's distributions.
   std::mt19937 random(7);
   const auto coordinate = [&] {
     return radius * (static_cast<double>(random()) / 2147483648.0 - 1);
@@ -159,7 +159,7 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
     if (!cells && std::ranges::find(cell_methods, methods[m]) != cell_methods.end())
       cells = std::move(made.field);
   }
-  // If none of them was made, make one just to find the covered solutions.
+  // If no cell method was made, make one just to find the covered solutions.
   if (!cells && !held_out.empty())
     cells = tryToMake(std::string(cell_methods.front()), space).field;
   if (!cells) return results;

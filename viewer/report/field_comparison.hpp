@@ -55,7 +55,7 @@ MethodTiming timeMethod(const SpaceTable& space, const std::string& method, doub
 
 /// Returns whether a sample is interpolated from eight solved corners on one branch.
 bool isCovered(const ForceSample& sample) noexcept;
-/// Returns the force of a sample, N; not_measured outside of the answered region.
+/// Returns the force of a sample, N; not_measured if the field gives no answer there.
 Eigen::Vector3d forceInside(const ForceSample& sample) noexcept;
 
 }  // namespace palpate

@@ -17,7 +17,7 @@ struct AxisForces {
 
 /// Interpolated and exact forces along a straight path from rest, or through rest.
 struct ForceWay {
-  std::string name;                                      ///< a name for people
+  std::string name;                                      ///< name shown to the user
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit
   AxisForces solved{};                                   ///< equilibria that the interpolations use
   AxisForces held_out{};                                 ///< exact solutions that they do not use
@@ -25,7 +25,7 @@ struct ForceWay {
                                       ///< not be made
 };
 
-/// A point is on the path if its distance from the path is at most this fraction of the radius.
+/// A point is on a path if it is at most this fraction of the ball's radius away from the path.
 inline constexpr double on_way = 1e-6;
 
 /// Returns the solved points of a space that lie on the path from rest along `direction`. With

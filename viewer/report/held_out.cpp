@@ -87,7 +87,7 @@ HeldOut heldOutOf(const std::vector<Dataset>& datasets,
     for (const Dataset& dataset : datasets) tables.push_back(&dataset.spaces()[s]);
     return usableProbes(tables);
   });
-  // If there is only one lattice, no other lattice can leave out some of its points.
+  // If there is only one lattice, it uses all points, and none are left out.
   if (probes.count > 0 || lattices.size() < 2) return probes;
   const auto densest = std::ranges::max_element(
       datasets, {}, [](const Dataset& dataset) { return dataset.spaces().front().points.size(); });

@@ -43,8 +43,8 @@ HeldOut heldOutOf(const std::vector<Dataset>& datasets,
 /// Returns the usable probes of one active node. tables: the active node in several lattices.
 ///
 /// A probe is usable if it was solved with a force within max_force, and is not a point of one of
-/// the lattices. Duplicates are left out. No device renders forces beyond max_force, and next to a
-/// crushed element they reach thousands of newtons.
+/// the lattices. Duplicates are left out. Forces beyond max_force are not used, because no device
+/// renders them, and next to a crushed element they reach thousands of newtons.
 std::vector<HeldOutSolution> usableProbes(const std::vector<const SpaceTable*>& tables);
 
 /// Returns the points of `dense` that no lattice of `tables` contains. Only solved points with a

@@ -55,8 +55,7 @@ struct Study {
 using NodeComparison = std::vector<MethodComparison>;        ///< per method
 using NodeErrors = std::vector<std::vector<ErrorMeasures>>;  ///< [compared node][method]
 
-/// Returns the measures of a lattice, including the number of its solved points and the number of
-/// factorizations they took.
+/// Returns a lattice with its costs: the numbers of solved points and of factorizations.
 LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   LatticeMeasures measures{std::move(lattice), 0, 0, {}, {}, {}};
   // The sums are integers, so they are exact in doubles.
@@ -76,7 +75,7 @@ LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
 }
 
 /// Returns the lattice of all points of the first dataset if its errors can be measured, otherwise
-/// the densest lattice whose errors can.
+/// the densest lattice whose errors can be measured.
 std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattices,
                                       const HeldOut& held_out) {
   std::optional<std::size_t> measured;
@@ -95,12 +94,12 @@ std::vector<MethodMeasures> timed(const Study& study, const ComparedLattice& lat
   });
 }
 
-/// Returns the results per compared node.
+/// Returns the results of all methods on each compared node.
 std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& lattice) {
   spdlog::info("{}: comparing {} on {}", lattice.label, counted(study.methods.size(), "method"),
                counted(study.compared.size(), "active node"));
   const bool is_measurable = study.held_out.measures(lattice);
-  // Each thread writes an element of its own.
+  // Each task writes only its own element.
   std::vector<NodeComparison> nodes(study.compared.size());
   inParallel(nodes.size(), [&](std::size_t n) {
     const std::size_t space = study.compared[n];

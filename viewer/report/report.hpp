@@ -32,7 +32,7 @@ struct MethodMeasures : MethodTiming {
   std::string problem{};    ///< why the method failed for an active node; otherwise empty
   ErrorMeasures all{};      ///< over the whole ball
   ErrorMeasures covered{};  ///< over the covered points, which are the same for every method
-  /// Relative work around closed loops (loopWork): the largest of ReportOptions::looped_nodes.
+  /// Largest relative work around closed loops (loopWork) on the ReportOptions::looped_nodes nodes.
   double loop_work = not_measured;
 };
 
@@ -53,7 +53,7 @@ struct LatticeMeasures : ComparedLattice {
 struct NodeMeasures {
   std::string name;
   std::array<std::int32_t, 4> tags{};  ///< number of lattice points with each Tag
-  std::size_t held_out = 0;            ///< number of exact solutions that measure it
+  std::size_t held_out = 0;            ///< number of exact solutions that test it
   std::size_t jumps = 0;               ///< lattice edges whose ends are on different branches
   double largest_force = 0;            ///< N, over solved lattice points
   /// Error bound of the default method over the whole ball, on the shown lattice, N; all NaN in a
@@ -72,7 +72,7 @@ struct Report {
   std::vector<DatasetFacts> datasets;
   std::vector<std::string> methods;  ///< the default first
   AccuracyTarget target;
-  bool target_of_scene = false;  ///< true if the scene sets the target; a default target otherwise
+  bool target_of_scene = false;  ///< true if a scene sets the target; otherwise it is a default
   HeldOut held_out;
   std::vector<LatticeMeasures> lattices;  ///< ascending in the number of configurations
   /// Index into `lattices` of the lattice whose errors represent the dataset. It has all points of

@@ -38,8 +38,8 @@ std::vector<std::string> describeGaps(const Report& report) {
 }
 
 std::string hintForProbes(const Report& report) {
-  // Areas have hundreds of sites. Computing 200 probes at each of them would take longer than
-  // everything else, and they would not measure the errors between sites.
+  // Areas have hundreds of sites. Computing 200 probes at each site would take longer than
+  // everything else, and such probes would not measure the errors between sites.
   if (report.held_out.kind == HeldOutKind::probes || !report.areas.empty()) return "";
   return "To measure errors of this lattice, add \"[accuracy] probes = 200\" to the scene and "
          "build again: 200 exact solutions per active node at random positions, used only for "

@@ -34,9 +34,9 @@ Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   return shapes.array().isNaN().select(0.0f, shapes);
 }
 
-/// Returns how many of the largest eigenvalues must be subtracted from `sum`, their total, until
-/// the remainder is small enough. Rounds up to a multiple of three, at most most_modes.
-/// eigenvalues: in ascending order; values: number of values in all shapes.
+/// Returns how many of the largest eigenvalues must be subtracted from the sum of all until the
+/// remainder is small enough. Rounds up to a multiple of three, at most most_modes. eigenvalues: in
+/// ascending order. sum: of all eigenvalues. values: number of values in all shapes.
 Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double sum, double values) {
   double missed = sum;
   Eigen::Index count = 0;
@@ -47,7 +47,7 @@ Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double sum, double 
 }
 
 /// Returns `count` columns to start the subspace iteration. Each is the sum of a group of
-/// successive shapes; a column of the identity matrix is added, so that the columns have full rank.
+/// successive shapes and of a column of the identity matrix, so that the columns have full rank.
 Eigen::MatrixXd someOf(const std::vector<Shapes>& all, Eigen::Index width, Eigen::Index count) {
   std::int64_t rows = 0, row = 0;
   for (const Shapes& shapes : all) rows += shapes.rows();
@@ -68,9 +68,9 @@ Eigen::MatrixXd productsWith(const std::vector<Shapes>& all, const Eigen::Matrix
   return sum;
 }
 
-/// Reduces the shapes to modes by subspace iteration. A body may have thousands of vertices, and
-/// the full covariance matrix would not fit into memory. Two iterations find the important modes.
-/// The last modes converge least, but also matter least.
+/// Reduces the shapes to modes by subspace iteration, because the full covariance matrix of
+/// thousands of vertices would not fit into memory. Two iterations find the important modes. The
+/// last modes converge least, but also matter least.
 CarriedShapes reducedShapes(const Dataset& dataset) {
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
   std::vector<Shapes> all;

@@ -115,7 +115,7 @@ const circle = (cx, cy, r, attributes, content) =>
 const words = (x, y, text, anchor = "start", style = "tick") =>
   shape("text", { class: style, x, y, "text-anchor": anchor }, text);
 const titled = (text) => text ? shape("title", {}, text) : "";
-/// Returns the coordinates of a path: "12.3 4.5".
+/// Returns the coordinates of a point of a path: "12.3 4.5".
 const at = (x, y) => `${x.toFixed(1)} ${y.toFixed(1)}`;
 
 // ---- Plots. A series has a label, points [x, y, note] and a look, and is drawn as a line, as
@@ -341,7 +341,7 @@ function svgFile({ width, height, svg, key }) {
     shape("rect", { width, height: whole, fill: "#fff" }), svg, entries]).text;
 }
 
-/// Returns lines of cells (RFC 4180). The cell of a missing number is empty.
+/// Returns rows as the text of a CSV file (RFC 4180). The cell of a missing number is empty.
 const csvFile = (rows) => rows.map((cells) => cells.map((cell) => {
   if (typeof cell === "number") return isNumber(cell) ? brief(cell, 8) : "";
   return /[,"\n\r]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
@@ -720,7 +720,7 @@ function wayPanel([title, unit, of]) {
   };
   return plot({
     title, x: linear("distance from rest, mm"), y: logarithmic("error, " + unit),
-    // The curve skips shells without exact solutions.
+    // The curves skip shells without exact solutions.
     series: methodSeries((name) => report.ways.filter(({ methods }) => methods[name].count > 0)
       .map((shell) => pointOf(name, shell))),
   });
@@ -876,7 +876,7 @@ them.${others}`,
 function organFigure(which, word, scale) {
   const { triangles } = drawings.body;
   const atNode = new Map(drawings.nodes.map((node) => [node.node, node[which]]));
-  // A triangle whose three corners are active gets their mean.
+  // A triangle whose three corners are active gets the mean of their values.
   const values = Array.from({ length: triangles.length / 3 }, (_, t) =>
     [0, 1, 2].reduce((sum, n) => sum + (atNode.get(triangles[3 * t + n]) ?? NaN) / 3, 0));
   const marks = drawings.nodes.map((node, n) => ({ at: node.at, value: node[which],

@@ -3,8 +3,8 @@
 // Messages to the worker: {field, organ} once, then questions {touch, triangle, u, v, p, id} and
 // {near: {touch, triangle, u, v}}, the place of the pointer. Only the newest question is answered.
 // Messages from the worker: {organ} once, then {preparing: id} while the answer to a question is
-// prepared, and answers with the id of the question. At any time, the contents of a Stop may come
-// instead and stop the page.
+// prepared, and answers with the id of the question. At any time the worker may instead send the
+// reason of a Stop, which stops the page.
 
 let field;         // exports of page_field.cpp
 let asked = null;  // the newest question

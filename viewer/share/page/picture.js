@@ -1,6 +1,6 @@
 // Draws the organ, the tool and the force in WebGL.
 
-// Colours of a certain and of an uncertain force, as in `palpate view`.
+// Colours of the arrow, as in `palpate view`: blue, or amber if the force is uncertain.
 const blue = [0.10, 0.42, 0.86], amber = [0.98, 0.67, 0.10];
 
 class Picture {

@@ -1,9 +1,9 @@
 // Refines a triangle mesh by Loop's rules, so that it looks smooth like an organ.
 
 // Returns {sums, faces} of the refined mesh. sums: one Map per fine vertex, from coarse vertices to
-// their weights. faces: fine triangles, each with its position in a coarse triangle. Refines
-// `times` times, or less often if the number of vertices, which each time about quadruples, would
-// reach `most`.
+// their weights. faces: fine triangles, each with its position in a coarse triangle. Refines at
+// most `times` times. Each time the number of vertices about quadruples; the last refinement is the
+// one before it would reach `most`.
 function refined(vertexCount, triangles, times, most) {
   let mesh = {sums: Array.from({length: vertexCount}, (_, v) => new Map([[v, 1]])), faces: []};
   for (let t = 0; t < triangles.length / 3; ++t)
