@@ -11,7 +11,7 @@ namespace palpate {
 
 class HapticModel;
 
-/// The loop and the body that a device is opened for.
+/// The loop and the body for which a device is opened.
 struct DeviceContext {
   /// The body. Its surface determines the default path of the virtual hand, and the mouse touches
   /// it in the picture. If null, neither of these two devices can be opened.
@@ -34,8 +34,8 @@ inline constexpr const char *window_device = "mouse", *default_device = "virtual
 std::string deviceHelp(bool with_body);
 
 /// Checks a word of --device without opening the device; only openDevice() finds out whether the
-/// device is available. Throws Error (bad input), which lists the valid words, if no device for a
-/// body has this word or a required part of the word is missing.
+/// device is available. Throws Error (bad input), which lists the valid words, if the word is
+/// unknown or a required part of it is missing.
 void checkDeviceWord(const std::string& word);
 
 /// Opens a device by its word:

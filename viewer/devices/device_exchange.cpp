@@ -14,7 +14,7 @@ double inSeconds(DeviceExchange::Clock::duration time) {
 }  // namespace
 
 /// Returns the time from a reading until a force that is written now takes effect, s. The device's
-/// thread gets the force by its next call of force().
+/// thread gets the force with its next call of force().
 double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) noexcept {
   const double age = inSeconds(now - arrival.time), turn = inSeconds(arrival.turn),
                offset = inSeconds(arrival.offset);

@@ -25,20 +25,20 @@ class DeviceExchange {
   /// Time without a reading after which a device counts as lost.
   static constexpr std::chrono::milliseconds silence{50};
 
-  // For the haptic thread; real time.
+  // Called by the haptic thread; real time.
   /// Returns the newest reading. Its status is fresh if the reading arrived since the last call,
   /// lost if no reading arrived for `silence`, and repeated otherwise.
   DeviceReading read(Clock::time_point now = Clock::now()) noexcept;
   void write(const Eigen::Vector3d& force) noexcept { forces_.write({force, ++written_}); }
 
-  // For any thread; real time.
+  // Called by any thread; real time.
   void halt() noexcept { halted_ = true; }
   /// After a resume, force() returns the last force that was written before the resume, or a newer
   /// one.
   void resume() noexcept { halted_ = false; }
   bool halted() const noexcept { return halted_; }
 
-  // For the device's thread.
+  // Called by the device's thread.
   /// Passes a reading to the haptic thread. Its status is fresh or lost; read() fills in `held`.
   void deliver(const DeviceReading& reading, Clock::time_point now = Clock::now()) noexcept;
   /// Returns the last force that was written, N; zero while halted or if that force is not finite.
@@ -72,7 +72,7 @@ class DeviceExchange {
   Arrival next_;               ///< the device's thread
   Clock::time_point taken_{};  ///< last call of force(); the device's thread
   std::atomic<bool> halted_ = false;
-  mutable std::mutex mutex_;  ///< guards trouble_; the haptic thread never takes it
+  mutable std::mutex mutex_;  ///< guards trouble_; the haptic thread never locks it
   std::string trouble_;
 };
 

@@ -7,8 +7,8 @@
 namespace palpate {
 namespace {
 
-/// 1/s. The time constant is about one event of a 60 Hz mouse, so that the steps between events
-/// become smooth.
+/// 1/s. The time constant is about the time between two events of a 60 Hz mouse, so that the motion
+/// between events is smooth.
 constexpr double spring_rate = 1 / 0.015;
 
 }  // namespace

@@ -18,9 +18,9 @@ inline constexpr int most_steps = 100000;
 
 /// Returns the touches of a path. They are `steps` + 1 touches on a straight line from rest to the
 /// displacement in `words`. If `words` is "-", the touches are read from the input, one per line
-/// (forEachTouch), and `steps` must be 0. Error (bad input) for no or too many steps, or an empty
-/// input. Error with the exit code of an interrupt if a signal interrupts this process; the signal
-/// also ends the input.
+/// (forEachTouch), and `steps` must be 0. Error (bad input) if `steps` is 0 or too large, or if the
+/// input is empty. Error with the exit code of an interrupt if a signal interrupts this process;
+/// the signal also ends the input.
 std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
                                  const std::vector<std::string>& words, int steps,
                                  std::istream& input, double workspace_radius);

@@ -38,7 +38,7 @@ std::string attributesOf(const GridArray& array, std::size_t values) {
   return text;
 }
 
-/// Returns a section with the elements of all its arrays. with_tuples: adds the numbers of tuples,
+/// Returns an XML section with the elements of all arrays. with_tuples: adds the numbers of tuples,
 /// which VTK needs only for field data.
 std::string section(const char* name, const std::vector<GridArray>& arrays,
                     bool with_tuples = false) {

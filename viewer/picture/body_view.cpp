@@ -99,7 +99,7 @@ Eigen::Vector3d BodyView::bestView() const {
   if (normal.norm() < least_lean * area)
     return widestView(surface.vertices()) + 0.45 * Eigen::Vector3d::UnitZ();
   normal.normalize();
-  // Look from the side of the normal, because an arrow toward the eye would look like a dot.
+  // Turn the view away from the normal, because an arrow toward the eye would look like a dot.
   const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(normal);
   return 0.8 * normal + 0.75 * right + 0.35 * Eigen::Vector3d::UnitY() +
          0.25 * Eigen::Vector3d::UnitZ();

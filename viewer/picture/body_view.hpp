@@ -61,8 +61,8 @@ class BodyView {
   /// milliseconds. If pressures are missing or not prepared yet, the surface is shown as tissue.
   void shade(SurfaceColour colour, std::int32_t method);
 
-  // These functions change OpenGL's state, and require its default state when they are called
-  // (Stage).
+  // The following functions change OpenGL's state, and require its default state when they are
+  // called (Stage).
   void draw(const SoftLight& light) const;
   /// Draws the soft edges and the ghost. Call it after the body and its background are drawn.
   void drawOver(const SoftLight& light);
@@ -91,8 +91,8 @@ class BodyView {
   SoftLight::Shadow shadow_;
   bool ghost_ = true;
   std::vector<float> ghost_shares_;           ///< per vertex, 0 (no ghost) to 1
-  std::vector<std::uint32_t> ghost_colours_;  ///< per vertex, bytes
-  std::vector<std::uint32_t> ghost_corners_;  ///< of triangles with at least one share above 0
+  std::vector<std::uint32_t> ghost_colours_;  ///< per vertex: red, green, blue and opacity as bytes
+  std::vector<std::uint32_t> ghost_corners_;  ///< corners of the triangles with a share above 0
 };
 
 }  // namespace palpate

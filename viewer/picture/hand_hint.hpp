@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Returns a sentence that tells the user what mouse and keys can do now. state, contact: of the
-/// loop. hand: its state in this frame.
+/// Returns a sentence that tells the user what mouse and keys can do now. state, contact: state and
+/// contact mode of the loop. hand: already updated for this frame.
 std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand);
 
 /// Returns the hint for a tool that another device moves; empty if there is nothing to say.

@@ -7,11 +7,11 @@
 namespace palpate {
 namespace {
 
-constexpr double turned_per_frame = 0.2;  // fraction of the remaining turn in one frame; avoids
-                                          // jumps to the other side
+constexpr double turned_per_frame = 0.2;  // fraction of the remaining turn that is made in one
+                                          // frame, so that the tool does not jump
 constexpr double high = 0.5;  // height in radii of the body; a tool this high casts no shadow
 constexpr double darkest = 0.45;
-constexpr double contact_reach = 1.7;  // in radii of the tool
+constexpr double contact_reach = 1.7;  // radius of the shadow at the contact, in radii of the tool
 
 }  // namespace
 

@@ -21,7 +21,7 @@ void writePng(const Image& image, const std::filesystem::path& file);
 class VideoFrames {
  public:
   /// Creates the folder if it is missing. Throws Error if that fails, or if the folder already
-  /// contains frames: those of two runs would be mixed.
+  /// contains frames, which would be mixed with the new ones.
   explicit VideoFrames(std::filesystem::path folder);
   /// Writes the next frame. Throws Error like writePng().
   void add(const Image& image);

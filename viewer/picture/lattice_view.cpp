@@ -69,8 +69,7 @@ void LatticeView::draw() const {
   const auto count = static_cast<GLsizei>(places_.size() / 3);
   glEnableClientState(GL_VERTEX_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, places_.data());
-  // Draw white rims first. Errors have the same colours as the surface, where dots without a rim
-  // would be invisible.
+  // Draw white rims first: without them, dots of the colour of the surface would be invisible.
   glDisableClientState(GL_COLOR_ARRAY);
   glColor3f(1, 1, 1);
   setPointSize(size_ + 2 * dot_rim);

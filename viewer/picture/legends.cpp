@@ -18,7 +18,7 @@ namespace {
 // px
 constexpr float legend_margin = 18, lattice_legend_gap = 40;
 constexpr float title_gap = 7, bar_width = 12, word_gap = 7, note_gap = 9;
-constexpr float note_width = 156;  // a hint fits beside it
+constexpr float note_width = 156;  // leaves room for a hint beside the note
 constexpr float swatch_size = 11, swatch_gap = 7;
 constexpr float bar_share = 0.24F, shortest_bar = 64, longest_bar = 150;  // bar_share: of the
                                                                           // height of the view
@@ -117,7 +117,7 @@ void pressureBar(Legend& legend, float height, double full) {
               mark(1, "  compression")});
 }
 
-/// Adds the colours of errors (errorPlace).
+/// Adds a bar with the colours of error bounds (errorPlace).
 void errorBar(Legend& legend, float height, const char* title) {
   const auto mark = [](double error, const char* meaning) {
     return Legend::Mark{errorPlace(error), fmt::format("{:g}{}", 100 * error, meaning),

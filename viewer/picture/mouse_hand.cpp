@@ -15,8 +15,8 @@ constexpr double largest_share = 0.95;  // largest depth or pull, as a share of 
 constexpr double notches = 50;          // notches of the wheel for the whole reach
 constexpr double waiting_share = 0.03;  // of the body's radius; distance of the waiting tool from
                                         // the skin
-constexpr double lifted = 0.75;         // share of that distance; a tool that has come out this
-                                        // far may go to another place
+constexpr double lifted = 0.75;         // share of this distance to which a tool must come out
+                                        // before it may go to another place
 constexpr double fastest = 6;           // radii of the body per second, along the skin
 constexpr double stroke = 0.015;        // heights of the view per stroke of an arrow key
 constexpr double longest_step = 0.05;   // s, longest time step; after a longer frame the tool moves
@@ -36,7 +36,7 @@ void MouseHand::update(const HapticModel& model, ContactMode contact, const Orbi
   double seconds = std::clamp(input.seconds, 0.0, longest_step);
   const bool pressed = input.button && !last_.button;
   if (pressed && seen_ && seen_->touchable) {
-    // Take over from the keys: the tool disappears at their place and appears at this one.
+    // Take over from the keys: the tool disappears at their place and appears under the pointer.
     if (held_) ++target_.appearance;
     takeHold(*seen_, false);
     seconds = 0;  // at first the tool is outside, in front of the place
@@ -101,7 +101,7 @@ void MouseHand::hover(const OrbitCamera& camera, const HandInput& input) {
     by_key_ = false;
   }
   if (place_) depth_ = -gap();
-  // At an edge of the body contact may last although the tool is outside. Reappearing ends it.
+  // At an edge of the body contact may last with the tool outside; reappearing ends the contact.
   if (std::exchange(came_in_, false)) ++target_.appearance;
 }
 

@@ -20,8 +20,8 @@ class OrbitCamera {
   /// Frames a sphere from the direction in which the camera is now.
   void frame(const Eigen::Vector3d& centre, double radius, double aspect);
 
-  /// Turns the camera around the centre, by angles to the right and upward. It stops before it
-  /// reaches a pole.
+  /// Turns the camera around the centre, by angles to the right and upward. The camera stops before
+  /// it reaches a pole.
   void orbit(double right, double upward);
   /// Moves the scene by a distance on the screen, so that it follows the pointer.
   void pan(double right, double upward);

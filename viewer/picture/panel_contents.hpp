@@ -61,7 +61,7 @@ struct BesideContents {
 struct PressureContents {
   double full = 0;            ///< end of the scale, Pa; 0 if neither body shows pressures
   bool everywhere = true;     ///< every part of the body has a pressure
-  std::string sentence = {};  ///< reason why there are no pressures; empty if there are
+  std::string sentence = {};  ///< reason why there are no pressures; empty if there are any
 };
 
 /// A dataset or method that the user can choose.

@@ -25,8 +25,7 @@
 namespace palpate {
 namespace {
 
-constexpr double longest_arrow = 0.9;  ///< length of the longest arrow, for full_force, in radii of
-                                       ///< the scene
+constexpr double longest_arrow = 0.9;  ///< length of the arrow of full_force, in radii of the scene
 
 }  // namespace
 

@@ -16,7 +16,7 @@ struct PointedPlace : SurfacePoint {
 };
 
 /// Returns the first place of the body at rest that is seen at a position on the screen. Returns
-/// nullopt if the body is not there.
+/// nullopt if the body is not seen there.
 std::optional<PointedPlace> placeUnder(const TouchSurface& surface, const OrbitCamera& camera,
                                        const Eigen::Vector2d& pointer);
 

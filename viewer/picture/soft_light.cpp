@@ -47,7 +47,7 @@ void main() {
 }
 )";
 
-/// Throws Error with the log of a shader or program unless this step of making it has succeeded.
+/// Throws Error with the log of a shader or program if a step (compiling or linking) has failed.
 void requireStep(GLenum step, GLuint of, PFNGLGETSHADERIVPROC getState,
                  PFNGLGETSHADERINFOLOGPROC getLog) {
   GLint succeeded = GL_FALSE;

@@ -18,8 +18,8 @@ class SurfaceRounding {
 
   std::size_t vertices() const { return vertices_ + ends_.size() / 2; }  ///< of the finer surface
   std::span<const std::uint32_t> corners() const { return corners_; }    ///< of the finer surface
-  /// Computes the columns of the midpoints from the columns of the vertices. Both are in the same
-  /// arrays, which may have more columns. normals: unit.
+  /// Computes the columns of the midpoints from those of the vertices. The arrays hold both, and
+  /// may have more columns. normals: unit.
   void fill(Eigen::Matrix3Xf& positions, Eigen::Matrix3Xf& normals) const;
   /// Sets the value at each midpoint to the mean of the values at the ends of its edge.
   void fill(std::vector<float>& values) const;

@@ -10,7 +10,6 @@
 
 namespace palpate {
 
-/// Pose of a tool.
 struct ToolPose {
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();       ///< m, the point that touches
   Eigen::Vector3d outward = Eigen::Vector3d::UnitZ();  ///< unit, away from the body

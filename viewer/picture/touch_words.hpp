@@ -10,8 +10,8 @@ namespace palpate {
 
 /// Returns whether the force is uncertain. It is uncertain if the displacement is beyond the
 /// computed region, or if the relative error bound is so large that a hand could notice the error
-/// (noticeable_force_error). Returns false without contact, and inside the region also if the
-/// method gives no bound.
+/// (noticeable_force_error). A force without contact is certain. If the method gives no bound, only
+/// the region decides.
 bool isUncertain(const Touch& touch);
 /// Returns the label at the arrow of a force: the magnitude, the error bound of the tissue's force,
 /// and a note if the force is uncertain. Empty if there is neither contact nor force.

@@ -46,7 +46,7 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
   glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   glfwWindowHint(GLFW_DEPTH_BITS, 24);
   glfwWindowHint(GLFW_STENCIL_BITS, 8);
-  glfwWindowHint(GLFW_SAMPLES, 0);  // too slow in software rendering
+  glfwWindowHint(GLFW_SAMPLES, 0);  // multisampling is too slow in software rendering
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (window_ == nullptr) {
     const std::string trouble = lastTrouble();

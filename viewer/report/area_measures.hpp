@@ -58,7 +58,7 @@ struct AreaMeasures {
   /// probes that tellingOnes() chooses. ForceWay::sampled holds two interpolations: the area, and
   /// the space of the nearest site alone.
   std::vector<ForceWay> ways;
-  std::size_t jumps = 0;  ///< lattice edges of all sites with ends on different branches
+  std::size_t jumps = 0;  ///< number of inconsistent lattice edges of all sites
 };
 
 /// Measures all areas of a dataset, in the order of the scene. Takes a few seconds per area, on all

@@ -32,7 +32,7 @@ struct ComparedLattice {
 /// same spacing.
 std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets);
 
-/// Returns the space of active node number `space` on a lattice. `datasets` must outlive it.
+/// Returns the space of active node `space` on a lattice. `datasets` must outlive the result.
 std::shared_ptr<const SpaceTable> tableOf(const std::vector<Dataset>& datasets,
                                           const ComparedLattice& lattice, std::size_t space);
 

@@ -52,8 +52,8 @@ struct Comparison {
   std::vector<std::string> differences;  ///< as sceneDifferences() returns them
   std::vector<ComparedProperty> properties;
   std::size_t common = 0;                   ///< number of active nodes that both datasets have
-  std::vector<ComparedPlace> places;        ///< the common active nodes, or an even choice of
-                                            ///< them if there are many
+  std::vector<ComparedPlace> places;        ///< the common active nodes; evenly chosen ones if
+                                            ///< there are many
   std::vector<PlaceDifference> everywhere;  ///< at most 400 of the common active nodes
   std::vector<std::string> limits;          ///< sentences about the limits of the comparison, with
                                             ///< remedies

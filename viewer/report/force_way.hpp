@@ -37,7 +37,7 @@ AxisForces heldOutOnWay(const std::vector<HeldOutSolution>& solutions, double ra
                         const Eigen::Vector3d& direction, bool both);
 
 /// Samples a force along `direction`, at displacements from `from` to `to`, m. force: returns the
-/// force, N, at a displacement, m; NaN is kept.
+/// force, N, at a displacement, m; NaN forces are kept.
 AxisForces sampledOnWay(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& force,
                         const Eigen::Vector3d& direction, double from, double to);
 

@@ -54,8 +54,8 @@ struct NodeMeasures {
   std::string name;
   std::array<std::int32_t, 4> tags{};  ///< number of lattice points with each Tag
   std::size_t held_out = 0;            ///< number of exact solutions that test it
-  std::size_t jumps = 0;               ///< lattice edges whose ends are on different branches
-  double largest_force = 0;            ///< N, over solved lattice points
+  std::size_t jumps = 0;               ///< number of inconsistent lattice edges
+  double largest_force = 0;            ///< N, largest at any solved lattice point
   /// Error bound of the default method over the whole ball, on the shown lattice, N; all NaN in a
   /// report without pictures.
   Spread bound;

@@ -24,7 +24,7 @@ ExitCode share(const ShareOptions& options, std::ostream& output) {
   refuseInput(options.output, "-o", {&options.dataset, 1});
   const Dataset dataset(options.dataset);
   warnIfPartial(dataset);
-  requirePageField();  // before the slow search for modes
+  requirePageField();  // check this before the slow search for modes
   const std::string page = organPage(organOf(dataset));
   replaceFile(options.output, page, "page");
   output << fmt::format("{}: {:.1f} MB, open it in a browser\n", options.output.string(),

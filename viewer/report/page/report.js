@@ -121,7 +121,7 @@ const at = (x, y) => `${x.toFixed(1)} ${y.toFixed(1)}`;
 // ---- Plots. A series has a label, points [x, y, note] and a look, and is drawn as a line, as
 // marks, or as both.
 
-/// Colours that colour-blind readers can distinguish (Okabe and Ito). Marks and dashes differ too.
+/// Returns the look of series n. Colour-blind readers can distinguish the colours (Okabe and Ito).
 function look(n) {
   const colours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
     "#7a5195", "#8c6d31", "#7f7f7f"];
@@ -913,8 +913,8 @@ function latticeMark(x, y, tag) {
   return path({ class: "failed", d: `M${at(x - 3.5, y - 3.5)}l7 7m0 -7l-7 7` });
 }
 
-/// Returns one path per colour. It consists of runs of samples along the rows, so that there are no
-/// seams between neighbours.
+/// Returns one path per colour. A path consists of runs of samples along the rows, so that there
+/// are no seams between neighbours.
 function sliceColours({ side, bound }, scale) {
   const { left, base } = slice, step = slice.edge / side, paths = Array(levels).fill("");
   const levelAt = (n) => isNumber(bound[n]) ? scale.levelOf(bound[n]) : -1;
@@ -1166,7 +1166,7 @@ gives no answer.`,
 
 function comparedDistances({ name }, { distances }) {
   const forces = (n) => distances.map((one) => [millimetres(one[0]), one[1 + n]]);
-  // At rest the force is zero, so no difference is relative to it.
+  // At rest the force is zero, so there is no relative difference.
   const relative = (n) => distances.filter(([way, first]) => way > 0 && first > 0)
     .map((one) => [millimetres(one[0]), 100 * one[1 + n] / one[1]]);
   return figure({

@@ -17,8 +17,8 @@
 #ifdef __wasm__
 // Exceptions are not caught here. A throw writes the message to standard error, where the page
 // reads it, and ends the module. Every exception here is a std::exception. The linker replaces
-// __cxa_throw by the second function (--wrap), because newer libraries of Emscripten define
-// __cxa_throw themselves.
+// __cxa_throw by the second of these functions (--wrap), because newer libraries of Emscripten
+// define __cxa_throw themselves.
 extern "C" void* __cxa_allocate_exception(std::size_t size) noexcept { return std::malloc(size); }
 extern "C" [[noreturn]] void __wrap___cxa_throw(void* thrown, std::type_info*, void (*)(void*)) {
   std::fputs(static_cast<const std::exception*>(thrown)->what(), stderr);
