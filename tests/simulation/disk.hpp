@@ -38,8 +38,8 @@ class Disk {
   static Disk* mounted();
 
   // Faults.
-  /// Kills the process that uses the disk at this change, counted from now. A random part of that
-  /// change, if it is a write, is done; later changes are not.
+  /// Kills the process that uses the disk at change number `changes` from now. If this change is a
+  /// write, a random part of it is done. Later changes are not done.
   void killAfter(int changes) { changes_left_ = changes; }
   void doNotKill() { changes_left_ = -1; }
   /// True after a kill: every change fails until revive(). The process must be unwound.

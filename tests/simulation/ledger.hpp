@@ -22,13 +22,12 @@ class Broken : public std::runtime_error {
 /// The headers of the records in a state directory. Throws Broken if one cannot be read.
 std::vector<wire::Result> recordedIn(const std::filesystem::path& directory);
 
-/// What an outside observer knows of a build, independent of the scheduler: its results, and lying
-/// workers.
+/// The results and the lying workers of a build, recorded independently of the scheduler.
 struct Ledger {
   std::set<ResultKey> acknowledged;
   /// Results whose records were damaged by an accident; they may be computed again.
   std::set<ResultKey> spoiled;
-  /// Results of detected liars that have to be computed again and have not been yet.
+  /// Results of detected liars that must still be computed again.
   std::set<ResultKey> of_liars;
 
   Lies lies;
@@ -56,7 +55,7 @@ struct Ledger {
   void noteKeptOut(const std::vector<KeptOut>& liars);
   void noteDelivery(const std::string& peer, const wire::Result& result);
   void noteAcknowledged(const std::string& peer, const ResultKey& key);
-  /// Throws Broken if an honest worker is among these.
+  /// Throws Broken if an honest worker is among the excluded ones.
   void noteVerdict(const std::vector<KeptOut>& liars, const std::filesystem::path& state);
   /// Notes the undetected lies among the records that enter the plans of a dataset about to be
   /// sealed. Throws Broken if another result contradicts one of them.

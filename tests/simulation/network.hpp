@@ -15,10 +15,10 @@ namespace palpate::simulation {
 using Seconds = double;
 inline constexpr Seconds never = std::numeric_limits<Seconds>::infinity();
 
-/// Connections between one scheduler and its workers, as ZeroMQ makes them. A worker's side
-/// reconnects by itself; messages of a broken connection are lost; the scheduler's side knows a
-/// peer from its first message until it notices that the connection is broken. Messages within a
-/// connection keep their order, unless an accident changes it.
+/// Connections between one scheduler and its workers, which behave like those of ZeroMQ. A worker's
+/// side reconnects by itself. Messages of a broken connection are lost. The scheduler's side knows
+/// a peer from the peer's first message until it notices that the connection is broken. Messages
+/// within a connection keep their order, unless an accident changes it.
 class Network {
  public:
   explicit Network(std::uint64_t seed) : random_(seed) {}
@@ -39,7 +39,7 @@ class Network {
   // Messages that have arrived by now.
   std::optional<Incoming> forScheduler(Seconds now);
   std::optional<Incoming> forWorker(const std::string& worker, Seconds now);
-  /// When the next message arrives at this end; infinity if none is on its way.
+  /// Time at which the next message arrives at this end; infinity if none is on its way.
   Seconds nextForScheduler() const;
   Seconds nextForWorker(const std::string& worker) const;
 
@@ -56,8 +56,8 @@ class Network {
     Queue to_worker, to_scheduler;
     Seconds last_to_worker = 0, last_to_scheduler = 0;  ///< latest arrivals, to keep the order
     bool known = false;                                 ///< the scheduler's side has a route
-    Seconds connects_at = 0;                            ///< when the worker's side tries again
-    bool connected = false;                             ///< as the worker's side believes
+    Seconds connects_at = 0;                            ///< time of the next attempt to connect
+    bool connected = false;                             ///< in the view of the worker's side
     bool dead_end = false;  ///< half open: messages of the scheduler are lost
     bool gone = false;
   };

@@ -10,7 +10,7 @@ namespace palpate::simulation {
 struct Defect {
   std::string_view name, what;
 };
-/// Returns no defects in the program with the unchanged service.
+/// Returns all planted defects; the program with the unchanged service has none.
 std::span<const Defect> plantedDefects();
 /// Activates one of the defects from now on, or none if `name` is empty.
 void plant(const std::string& name);

@@ -33,12 +33,13 @@ class SchedulerProcess : private Transport {
 
   /// Kills the process at once (SIGKILL), while it waits.
   void kill();
-  /// Kills it this many changes of the disk after the next verdict on a liar.
+  /// Kills the process after this many changes of the disk, counted from the next verdict on a
+  /// liar.
   void killAtVerdict(int changes) { kill_at_verdict_ = changes; }
   void stop(Seconds from, Seconds until, bool clock_too);
   void leap(Seconds by) { clock_.leap(by); }
   void askToStop(Seconds now);
-  /// When this coordinator was created.
+  /// Time at which the current coordinator was created.
   Seconds openedAt() const { return opened_at_; }
   Coordinator& coordinator() { return build_->coordinator(); }
   /// The error that last ended the process; empty if it ended without one.

@@ -32,14 +32,14 @@ class ProcessClock {
 /// The results that solvers look up, and the accidents of solvers. Shared by all workers.
 struct SolverWorld {
   const Scenario* scenario = nullptr;
-  /// Transitions that kill the solving worker, until this time.
+  /// Transitions that kill every worker that solves them, with the time until which they do so.
   std::map<std::tuple<std::uint32_t, LatticePoint>, Seconds> deadly;
   std::map<std::string, Liar> liars;  ///< by host
   Lies* told = nullptr;
 };
 
 /// A worker process with a real session and mailbox, a solver that looks up its answers, and
-/// accidents of processes. The solver is a thread in the product and a state here.
+/// accidents of processes. In the product the solver is a thread; here it is a state.
 class WorkerProcess {
  public:
   /// `ended` names the workers that this one replaces. The references must outlive this object.

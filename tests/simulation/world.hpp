@@ -16,7 +16,7 @@ struct Outcome {
   std::size_t lies = 0;            ///< false results that the scheduler received
   std::size_t verdicts = 0;        ///< verdicts on liars
   bool spoiled = false;            ///< the sealed dataset contains undetected lies
-  bool tables_hurt = false;        ///< the tables with their checks and liars were damaged
+  bool tables_hurt = false;        ///< the tables, which list checks and liars, were damaged
   std::vector<std::string> story;  ///< the events, human-readable
 };
 

@@ -16,7 +16,7 @@ struct NamedMaterial {
   Material material;
 };
 
-/// One material for every law, as soft as tissue (kPa). Incompressible ones have no `bulk`.
+/// One material for every law, as soft as tissue (a few kPa). Incompressible ones have no `bulk`.
 inline std::vector<NamedMaterial> everyMaterial() {
   std::vector<NamedMaterial> all;
   for (const Material& material : std::vector<Material>{

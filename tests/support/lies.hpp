@@ -28,8 +28,8 @@ inline Lie lieAbout(const std::function<void(Outcome&)>& falsify) {
   };
 }
 
-/// Lies about forces, and thus about what a hand feels, by a tenth or more; and a failure in place
-/// of an equilibrium.
+/// Lies that change the force, energy or stiffness by a tenth or more, and one that reports a
+/// failure instead of an equilibrium.
 inline const std::vector<Lie>& lies() {
   static const std::vector<Lie> all = {
       lieAbout([](Outcome& o) { o.configuration().equilibrium.force *= 1.1; }),

@@ -14,8 +14,8 @@
 
 namespace palpate::test {
 
-/// Receives what a service tells systemd. Processes and ServiceManagers that start while this
-/// object exists find it at $NOTIFY_SOCKET. The socket is the file `notify` in a folder.
+/// Receives the messages of a service to systemd. Processes and ServiceManagers that start while
+/// this object exists find it at $NOTIFY_SOCKET. The socket is the file `notify` in a folder.
 class NotifySocket {
  public:
   explicit NotifySocket(const std::filesystem::path& folder)

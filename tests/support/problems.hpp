@@ -8,7 +8,7 @@
 /// Scenes made in code for tests of solver and scheduler.
 namespace palpate::test {
 
-/// A scene with the Mooney-Rivlin constants of the paper, P1-stabilized, volumetric term ln det F.
+/// A scene with the Mooney-Rivlin constants of the paper, stabilized P1 elements and ln det F.
 inline Scene mooneyRivlinScene() {
   Scene scene;
   scene.name = "test";

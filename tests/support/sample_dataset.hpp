@@ -59,8 +59,9 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy);
 /// are expandable. With P2 displacement the cube also has mid-edge nodes, and "edge-2" is a
 /// weighted patch.
 struct SampleDataset {
-  /// small: 8 nodes and 7 points (radius 10 mm), with as many failed, unknown and terminating ones.
-  /// For fuzzers, because the time to load a dataset grows with its points.
+  /// small: 8 nodes and 7 points (radius 10 mm), also with one failed, one unknown and one
+  /// terminating point. It is for fuzzers, because the time to load a dataset grows with its
+  /// points.
   enum class Size { usual, small };
 
   explicit SampleDataset(PressureSpace pressure = PressureSpace::p1_stabilized,

@@ -4,7 +4,7 @@
 
 namespace palpate::test {
 
-/// What a scan of a journal finds, with the records.
+/// The result of a scan of a journal, with the records.
 struct ScannedJournal : JournalScan {
   struct Found {
     JournalPosition where;

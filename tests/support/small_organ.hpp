@@ -24,8 +24,8 @@ inline SpaceTable springs(const std::optional<Finger>& finger, double radius = 0
   return space;
 }
 
-/// The smallest organ that has all parts: a tetrahedron of 100 mm, touched by a finger of radius 30
-/// mm at two sites, to the depth `deep`, or at an active node at its tip.
+/// The smallest organ that has all parts: a tetrahedron of 100 mm. It is touched at an active node
+/// at its tip or, with `finger`, to the depth `deep` at two sites of a finger of radius 30 mm.
 inline CarriedOrgan smallOrgan(bool finger, double deep = 0.02, const PushedPart& reach = {}) {
   constexpr double radius = 0.03;
   CarriedOrgan organ;

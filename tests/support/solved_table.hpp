@@ -30,7 +30,8 @@ inline Problem cubeProblemOf(int cells, double radius, double c10) {
 /// A small cube with two active nodes and 33 lattice points around each.
 inline Problem cubeProblem(double c10 = 1300) { return cubeProblemOf(2, 0.02, c10); }
 
-/// The same with 123 points around each, so that a share of one in a hundred is about one point.
+/// Like cubeProblem(), but with 123 points around each node, so that one in a hundred is about one
+/// point.
 inline Problem wideProblem() { return cubeProblemOf(2, 0.03, 1300); }
 
 /// The smallest such problem: 8 nodes, and 7 lattice points around each of two active nodes.
@@ -54,8 +55,8 @@ inline std::pair<wire::Result, std::string> resultOf(const ContentId& build, std
   return {result, payload};
 }
 
-/// Fills in what a result repeats from its job. The number of steps is included because it affects
-/// the bits.
+/// Fills in the members that a result repeats from its job. They include the number of steps, on
+/// which the bits of a result depend.
 inline void answer(const wire::Job& job, const wire::Target& target, wire::Result& result) {
   result.set_start_id(job.start_id());
   result.set_lease(target.lease());
@@ -121,8 +122,8 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
   return resultOf(problemId(problem), space, target, parent, outcome);
 }
 
-/// The same for a stiffening body, E = k p^2 / 2 + c p^4: everything converges, and each result is
-/// consistent with its neighbours.
+/// Like solve(), but for a stiffening body, E = k p^2 / 2 + c p^4: everything converges, and each
+/// result is consistent with its neighbours.
 inline std::pair<wire::Result, std::string> solveSmoothly(const Problem& problem,
                                                           std::uint32_t space,
                                                           const LatticePoint& target,

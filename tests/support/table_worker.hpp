@@ -28,9 +28,9 @@
 /// real scheduler.
 namespace palpate::test {
 
-/// Writes the scene cube.toml to `directory`: a cube of (cells + 1)^3 nodes with the given number
-/// of active surface nodes, each with about the given number of points, which no machine completes
-/// in the time of a test.
+/// Writes the scene cube.toml to `directory`: a cube of (cells + 1)^3 nodes with `patches` active
+/// surface nodes and about `points` points around each of these. No machine completes its build in
+/// the time of a test.
 inline void writeEndlessScene(const std::filesystem::path& directory, int cells, int patches,
                               double points = 11500) {
   constexpr double radius = 0.05;
@@ -55,7 +55,7 @@ class LinearBody {
   explicit LinearBody(const Problem& problem)
       : problem_(&problem),
         build_(problemId(problem)),
-        // The scene must not be adaptive: coordinates are in spacings.
+        // The scene must not be adaptive, because coordinates are in spacings.
         at_(Lattice::ofRest(problem.scene.workspace.radius, problem.scene.workspace.spacing, 1)) {}
 
   std::pair<wire::Result, std::string> solve(std::uint32_t space, const wire::Point& target,
@@ -109,7 +109,7 @@ class TableWorker {
 
   /// Handles all received messages and delivers the results that are due.
   void turn() {
-    // Messages are dropped until the scheduler is running.
+    // Greet repeatedly, because messages are dropped until the scheduler is running.
     if (!welcome_ && Clock::now() - hello_ > std::chrono::milliseconds(200)) {
       send(introduction_);
       hello_ = Clock::now();

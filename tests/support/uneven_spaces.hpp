@@ -48,7 +48,7 @@ inline SpaceTable refinedSpace(double spacing) {
   return splitSpace(Lattice(radius, spacing, 1024), {{{0, 0, 0}, 0}}, StiffeningEnergy());
 }
 
-/// The same with unsplit cells of spacing 5 mm and five unsolved points.
+/// A space in the same ball with unsplit cells of 5 mm and five unsolved points.
 inline SpaceTable holedSpace() {
   return without(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()),
                  {{1, 0, 0}, {1, 1, 0}, {0, -2, 1}, {0, -2, 2}, {-1, -1, -1}});

@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-/// Returns what `reads` returns in a process that may not write to `folder`, a folder in
+/// Returns the result of `reads` in a process that may not write to `folder`, a folder in
 /// `directory`. If the test runs as root, that process runs as the user nobody, who then owns both
 /// folders. Returns nullopt if that user cannot reach them.
 template <class Reads>

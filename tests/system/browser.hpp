@@ -106,7 +106,7 @@ class Browser {
       points.push_back({{"x", x}, {"y", y}, {"id", points.size()}});
     send("Input.dispatchTouchEvent", {{"type", what}, {"touchPoints", points}});
   }
-  /// Processor time of each of its processes (renderer, page, ...), seconds.
+  /// Processor time of each process of Chromium (renderer, page, ...), seconds.
   std::map<pid_t, double> processorSeconds() const {
     std::map<pid_t, double> seconds;
     addProcessorSecondsOf(process_->pid(), seconds);

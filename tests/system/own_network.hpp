@@ -10,8 +10,9 @@
 
 namespace palpate::test {
 
-/// Networks for this test only, if root may create them: no other program takes its ports, and
-/// nothing remains of them, however the test ends. Otherwise the existing network.
+/// Networks for this test only: no other program takes their ports, and nothing remains of them,
+/// however the test ends. If they cannot be created (only root can), the test uses the existing
+/// network.
 ///
 /// Programs belong to the network in which this process is when it starts them.
 class OwnNetwork {

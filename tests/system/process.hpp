@@ -30,7 +30,7 @@ inline bool eventually(const std::function<bool()>& condition,
   return true;
 }
 
-/// The readable part of a file: files of a process in /proc may disappear.
+/// Returns the readable part of a file, because files in /proc disappear with their process.
 inline std::string contentOf(const std::filesystem::path& file) {
   std::ostringstream content;
   content << std::ifstream(file, std::ios::binary).rdbuf();
@@ -59,7 +59,7 @@ class Process {
     pid_ = fork();
     if (pid_ != 0) return;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    // Not the keys of the user who runs the tests.
+    // Do not use the keys of the user who runs the tests.
     setenv("PALPATE_KEYS", (directory / "keys").c_str(), 1);
     const int out = open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     if (out < 0 || dup2(out, STDOUT_FILENO) < 0 || dup2(out, STDERR_FILENO) < 0 ||
@@ -82,8 +82,8 @@ class Process {
            info.si_pid == 0;
   }
   void signal(int number) const { kill(pid_, number); }
-  /// Returns the exit code, or 128 + the signal that ended it. A process that does not end within
-  /// `limit`, which is less than a test's time, is reported and killed.
+  /// Returns the exit code, or 128 + the signal that ended the process. A process that does not end
+  /// within `limit`, which is less than the time limit of a test, is reported and killed.
   int wait(std::chrono::seconds limit = std::chrono::minutes(10)) {
     if (!eventually([&] { return !running(); }, limit)) {
       std::cerr << "process " << pid_ << " did not end within " << limit.count()
@@ -101,7 +101,7 @@ class Process {
     return wait();
   }
   std::string output() const { return contentOf(output_); }
-  /// Its child processes, in no order.
+  /// Returns the child processes in any order.
   std::vector<pid_t> children() const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/task/" + std::to_string(pid_) +
                        "/children");

@@ -17,11 +17,11 @@
 
 namespace palpate::test {
 
-/// A build of some seconds with the real programs.
+/// A build that takes a few seconds, with the real programs.
 struct SmallBuild : testing::Test {
   TemporaryDirectory directory;
 
-  /// `cells`: along an edge of the cube.
+  /// `cells`: number of cells along an edge of the cube.
   explicit SmallBuild(int cells = 3) : cells_(cells) { writeScene(directory.path(), 1300); }
 
   /// A cube with two active nodes and 257 lattice points around each. Tool forces grow beyond
@@ -43,7 +43,7 @@ struct SmallBuild : testing::Test {
   std::unique_ptr<Process> startBuild(const std::string& out, const std::string& workers) {
     return start("palpate-scheduler", {"build", "cube.toml", "-o", out, "-j", workers});
   }
-  /// Exit codes of a finished build: some points may have failed.
+  /// Expects the exit code of a finished build, in which some points may have failed.
   static void expectFinished(Process& process) {
     const int code = process.wait();
     EXPECT_TRUE(code == 0 || code == 3) << code << "\n" << process.output();
@@ -67,7 +67,7 @@ struct SmallBuild : testing::Test {
                       (directory / "keys").string() + "' " PALPATE_BIN_DIR "/palpate " + arguments +
                       ")");
   }
-  /// Its output; expects exit code `code`.
+  /// Returns the output of `palpate`; expects exit code `code`.
   std::string told(const std::string& arguments, int code = 0) const {
     const CommandResult done = palpate(arguments);
     EXPECT_EQ(done.exit_code, code) << arguments << ": " << done.output;
