@@ -60,7 +60,7 @@ class Fortress {
     return static_cast<double>(acknowledged_ - before) / taken.count();
   }
 
-  /// How long a new connection waits for the status.
+  /// Returns the time that a new connection waits for the status.
   std::chrono::milliseconds statusAfter() {
     const auto began = std::chrono::steady_clock::now();
     zmq::socket_t socket = makeDealer(context_);

@@ -131,13 +131,13 @@ class BuildWorld {
     *message.mutable_result() = result;
     send(peer, message, payload);
   }
-  /// Fills in what a result repeats from the peer's last job for it, if there was one.
+  /// Fills in the members that a result repeats from the peer's job for the same target, if any.
   void prove(const std::string& peer, wire::Result& result) const {
     const auto asked = leases_.find({peer, keyOf(result)});
     if (asked == leases_.end()) return;
     result.set_start_id(asked->second.start_id());
     result.set_lease(asked->second.lease());
-    // The number of steps affects the bits.
+    // The bits of a result depend on the number of steps.
     result.mutable_cost()->set_steps(static_cast<std::int32_t>(asked->second.steps()));
   }
   void deliver(const std::string& peer, const wire::Job& job) {
@@ -145,7 +145,8 @@ class BuildWorld {
       deliver(peer, job.space(), target.point(), job.start());
   }
 
-  /// The peer delivers all its targets and requests as many jobs. Returns the number of targets.
+  /// The peer delivers all its jobs, and requests a new job for each. Returns the number of
+  /// targets.
   int work(const std::string& peer) {
     int delivered = 0;
     for (const wire::Job& job : takeJobs(peer)) {
@@ -155,7 +156,7 @@ class BuildWorld {
     }
     return delivered;
   }
-  /// "a" solves both origins.
+  /// Lets worker "a" solve the rest states of both spaces.
   void solveOrigins() {
     join("a", 2);
     for (const wire::Job& job : takeJobs("a")) deliver("a", job);

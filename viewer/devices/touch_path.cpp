@@ -79,8 +79,7 @@ Site siteAt(const HapticModel& model, std::size_t space, const Eigen::Vector3d& 
           radius};
 }
 
-/// Removes and returns the site to visit next. This is the nearest site, but a difference of the
-/// normals increases the distance.
+/// Removes and returns the nearest site. A difference between the normals increases its distance.
 Site takeNext(std::vector<Site>& left, const Site& from) {
   const auto next = std::ranges::min_element(left, {}, [&](const Site& site) {
     return (site.point - from.point).norm() * (2 - site.normal.dot(from.normal));

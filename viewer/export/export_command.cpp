@@ -19,8 +19,7 @@
 namespace palpate {
 namespace {
 
-/// Error unless the options select a configuration for a format that holds one, or a path for a
-/// format that holds a path.
+/// Error unless the options select what the format holds: one configuration, or a path.
 void checkChoice(const ExportOptions& options, const ExportTarget& target) {
   const bool has_point = !options.point.empty(), has_displacement = !options.displacement.empty();
   if (has_point == has_displacement)

@@ -20,7 +20,7 @@ struct HandInput {
   double deeper = 0;    ///< notches of the wheel or strokes of a key; negative: less deep
   /// Strokes of the arrow keys, to the right and upward on the screen.
   Eigen::Vector2d strokes = Eigen::Vector2d::Zero();
-  bool take = false;   ///< the key that presses or grips, and then releases, was pressed
+  bool take = false;   ///< the key that presses or grips, or releases a held tool, was pressed
   bool out = false;    ///< the key that only releases was pressed
   double seconds = 0;  ///< time since the last frame, s
 };

@@ -7,8 +7,8 @@ struct GLFWwindow;
 
 namespace palpate {
 
-/// Rounds the scale of texts and panels to quarters, from 1 to 4. Some screens report a slightly
-/// wrong size in millimetres and would get a scale such as 1.04.
+/// Rounds the scale of texts and panels to a multiple of 0.25, from 1 to 4. Some screens report a
+/// slightly wrong size in millimetres and would get a scale such as 1.04.
 inline double roundedScale(double asked) {
   return std::isfinite(asked) ? std::clamp(std::round(4 * asked) / 4, 1.0, 4.0) : 1;
 }

@@ -26,7 +26,7 @@ class SurfaceShape {
   /// component that is not finite counts as zero.
   void setDisplacements(std::span<const float> displacements);
 
-  // These set the colours, which cover the tissue of each vertex in part or fully.
+  // The following set the colours, which cover the tissue of each vertex in part or fully.
   void colourTissue();
   /// Colours by the magnitude of the displacements, from 0 to `full` metres (displacementColour).
   void colourDisplacements(double full);

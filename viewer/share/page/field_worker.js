@@ -111,7 +111,7 @@ function answer({touch, triangle, u, v, p, id}) {
       [shape.buffer]);
 }
 
-// Does one step of work. Returns whether there may be more.
+// Does one step of work. Returns whether there may be more work.
 function work() {
   if (asked) {
     if (field.prepare(asked.touch, asked.triangle, asked.u, asked.v)) {

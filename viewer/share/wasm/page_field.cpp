@@ -92,9 +92,9 @@ PALPATE_PAGE(touchNumbers)(std::size_t touch)->const double* {
   return in_page->numbers.data();
 }
 
-/// Does one step of the preparation for a touch at a place (prepare), or at other places
-/// (prepareAhead). Returns 0 if nothing is left to do. A place is a triangle and the barycentric
-/// weights u, v of the triangle's second and third corner.
+/// Does one step of the preparation for a touch at a place (prepare), or of the other sites of the
+/// touch, the nearest first (prepareAhead). Returns 0 if nothing is left to do. A place is a
+/// triangle and the barycentric weights u, v of the triangle's second and third corner.
 PALPATE_PAGE(prepare)(std::size_t touch, std::int32_t triangle, double u, double v)->int {
   return in_page->touched.prepare(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
