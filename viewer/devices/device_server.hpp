@@ -62,7 +62,7 @@ class DeviceServer {
   void sendReading(const DeviceReading& reading);
   void count(std::uint64_t State::*number);
   /// Returns the time when the reading with this number was sent. Returns nullopt if no such
-  /// reading was sent, or if it is older than the longest time for which a force can be valid.
+  /// reading was sent, or if it was sent longer ago than a force can be valid.
   std::optional<Clock::time_point> sentAt(std::uint64_t reading) const;
 
   HapticDevice& device_;

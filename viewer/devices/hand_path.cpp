@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-/// Returns the slope of a monotone cubic at the point between two segments, from the slopes and the
-/// time steps of these. The slope is zero if the coordinate changes direction there.
+/// Returns the slope of a monotone cubic at the point between two segments, from their slopes and
+/// time steps. The slope is zero if the coordinate changes direction there.
 double slopeBetween(double before, double after, double step_before, double step_after) {
   if (before * after <= 0) return 0;
   const double a = 2 * step_after + step_before, b = step_after + 2 * step_before;

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// A position that a hand aims at, and the time for it.
+/// A target position of a hand, and its time.
 struct HandWaypoint {
   double time = 0;                                     ///< s, ascending
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, scene frame

@@ -15,7 +15,7 @@ struct ExportedConfiguration {
   /// Rest position of the active node or of the finger's centre, and displacement of the tool, m.
   Eigen::Vector3d place = Eigen::Vector3d::Zero(), displacement = Eigen::Vector3d::Zero();
   ForceSample sample = {};
-  std::optional<Eigen::Vector3d> drive = {};          ///< N, for a finger
+  std::optional<Eigen::Vector3d> drive = {};          ///< N; only for a finger
   std::optional<double> way = {};                     ///< length of the tool's path up to here, m
   std::optional<Eigen::Vector3d> lattice_point = {};  ///< in spacings; only for a solved point
   std::optional<double> min_det_F = {};               ///< from the solver; only for a solved point

@@ -81,7 +81,7 @@ class BodyView {
   Contour contour_;
   DeformedShape deformed_;
   std::vector<float> displacements_;  ///< [vertex][axis], m
-  SpaceBlend blend_;                  ///< of the touch that deforms the body; empty at rest
+  SpaceBlend blend_;                  ///< blend of the touch that deforms the body; empty at rest
   Eigen::Vector3d touch_displacement_ = Eigen::Vector3d::Zero();  ///< m
   std::vector<float> pressures_;  ///< per vertex, Pa; empty until first shown
   double full_colour_ = 0, full_pressure_ = 0;

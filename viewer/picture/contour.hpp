@@ -10,9 +10,9 @@ namespace palpate {
 /// Silhouette edges of a triangle surface: one of the two triangles at such an edge faces the eye,
 /// the other does not.
 ///
-/// These edges are drawn over the surface as soft lines, which hide its jagged pixels.
-/// Multisampling would do the same at four times the cost when drawing in software. The ghost's
-/// outline consists of the silhouette edges of the shape at rest. One thread.
+/// These edges are drawn over the surface as soft lines, which hide jagged pixels. Multisampling
+/// would do the same at four times the cost when drawing in software. The ghost's outline consists
+/// of the silhouette edges of the shape at rest. One thread.
 class Contour {
  public:
   /// corners: three vertices per triangle of a closed surface.

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-constexpr double gap = 8;           // px, between the tip and the label
+constexpr double gap = 8;           // px, distance between the tip and the label
 constexpr double least_length = 4;  // px: a shorter arrow has no visible direction
 constexpr int samples_of_a_line = 24;
 /// Tried in this order: factors that increase the label's distance from the tip (boxBeyondTip).

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double largest_share = 0.95;  // largest depth or pull, as a share of reach()
 constexpr double notches = 50;          // notches of the wheel for the whole reach
-constexpr double waiting_share = 0.03;  // of the body's radius; distance of the waiting tool from
-                                        // the skin
+constexpr double waiting_share = 0.03;  // distance of the waiting tool from the skin, as a share of
+                                        // the body's radius
 constexpr double lifted = 0.75;         // share of this distance to which a tool must come out
                                         // before it may go to another place
 constexpr double fastest = 6;           // radii of the body per second, along the skin

@@ -296,7 +296,7 @@ struct Picture::Impl {
   Viewport viewport;        ///< of the last frame
   double full_force = 0.5;  ///< force of the longest arrow, N: a round number that grows with the
                             ///< largest force seen
-  /// The other dataset, if it is shown. The body is at rest if it has no touch.
+  /// The other dataset, if it is shown. Without a touch its body is at rest.
   struct Beside {
     BodyView* body;
     std::optional<Touch> touch;

@@ -33,7 +33,7 @@ class Picture {
                    const PictureOptions& options = {});
   ~Picture();
 
-  /// Replaces the models by as many others, in the same order. The camera does not move.
+  /// Replaces the models by as many others, in the same order. Keeps the view of a single dataset.
   void replace(const std::vector<const HapticModel*>& models);
 
   /// Returns whether the user or the system closed the window. The window stays visible until this

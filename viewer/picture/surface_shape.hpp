@@ -48,7 +48,7 @@ class SurfaceShape {
   /// Returns a value per vertex: 1 if it is touchable, 0 if not. Values between 0 and 1 along the
   /// border hide the edges of its triangles.
   std::span<const float> felt() const { return felt_; }
-  double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of displacement, m
+  double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of its displacement, m
   double largest() const { return largest_; }                           ///< of these lengths, m
   std::size_t size() const { return lengths_.size(); }  ///< number of vertices in the arrays
 

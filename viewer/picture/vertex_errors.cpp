@@ -13,7 +13,7 @@ namespace {
 
 constexpr double half_way = 0.5;  // depth of the press, in radii of the workspace
 
-/// Returns the vertex as a point of a touchable triangle; nullopt if it belongs to no such
+/// Returns the vertex as a point of a touchable triangle; nullopt if it belongs to no touchable
 /// triangle.
 std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int32_t vertex) {
   for (const std::int32_t triangle : surface.trianglesAt(vertex)) {

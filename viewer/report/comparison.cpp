@@ -43,7 +43,7 @@ std::vector<SpacePair> commonSpaces(const Dataset& first, const Dataset& second)
   return pairs;
 }
 
-/// Returns the first names of active nodes as text, such as "tip, edge-2 and 12 more".
+/// Returns the first few active nodes by name, such as "tip, edge-2 and 12 more".
 std::string namesIn(const Dataset& dataset) {
   constexpr std::size_t most_names = 4;
   const std::vector<SpaceTable>& spaces = dataset.spaces();

@@ -22,7 +22,7 @@ void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& 
     const double error = (at.interpolated - at.exact).norm();
     ++measures.bounds;
     holds += error <= at.error_bound;
-    // If the error is zero, its ratio to the bound is undefined.
+    // If the error is zero, the ratio of the bound to the error is undefined.
     if (error > 0) ratios.push_back(at.error_bound / error);
   }
   if (measures.bounds > 0) measures.bound_holds = static_cast<double>(holds) / measures.bounds;

@@ -25,8 +25,8 @@ double seconds(Clock::duration duration) { return std::chrono::duration<double>(
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
-  // Use the numbers of the engine itself, which are the same on all systems, unlike those of the
-  // library's distributions.
+  // Use the numbers of the random engine itself, which are the same on all systems, unlike those of
+  // the library's distributions.
   std::mt19937 random(7);
   const auto coordinate = [&] {
     return radius * (static_cast<double>(random()) / 2147483648.0 - 1);

@@ -26,7 +26,7 @@ std::string_view name(HeldOutKind kind);  ///< "probes", "left-out lattice point
 struct HeldOut {
   HeldOutKind kind = HeldOutKind::none;
   std::vector<std::vector<HeldOutSolution>> of_space;  ///< per active node
-  std::size_t count = 0;                               ///< over all active nodes
+  std::size_t count = 0;                               ///< total number at all active nodes
   /// Index of the dataset from which lattice points come; empty for probes.
   std::optional<std::size_t> source = {};
 
