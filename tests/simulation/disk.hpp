@@ -23,10 +23,11 @@ enum class DiskFault : std::uint8_t { write_error, short_write, sync_error, rena
 /// the standard library) comes through here, because this program defines those functions itself
 /// (disk_calls.cpp).
 ///
-/// A power cut keeps the synced contents of a file, and each 512-byte sector written since with a
-/// probability of one half. In a folder it keeps the names at the last sync, and a random number of
-/// the changes since, the earliest first. A failed sync loses the data that it should have written,
-/// and a later successful sync does not restore them. A process can have only one disk at a time.
+/// A power cut keeps the synced contents of a file. Each 512-byte sector that was written since
+/// then survives with a probability of one half. Of a folder, the names at the last sync survive,
+/// with a random number of the changes since then, the earliest first. A failed sync loses the data
+/// that it should have written, and a later successful sync does not restore them. A process can
+/// have only one disk at a time.
 class Disk {
  public:
   /// Takes over everything below `root`.

@@ -66,11 +66,11 @@ class DeviceExchange {
   };
   static double delayOf(const Arrival& arrival, Clock::time_point now) noexcept;
   TripleBuffer<Arrival> readings_;
-  Arrival seen_;               ///< haptic thread
-  std::uint64_t written_ = 0;  ///< haptic thread
+  Arrival seen_;               ///< used by the haptic thread
+  std::uint64_t written_ = 0;  ///< used by the haptic thread
   TripleBuffer<NumberedForce> forces_;
-  Arrival next_;               ///< the device's thread
-  Clock::time_point taken_{};  ///< last call of force(); the device's thread
+  Arrival next_;               ///< used by the device's thread
+  Clock::time_point taken_{};  ///< last call of force(); used by the device's thread
   std::atomic<bool> halted_ = false;
   mutable std::mutex mutex_;  ///< guards trouble_; the haptic thread never locks it
   std::string trouble_;
