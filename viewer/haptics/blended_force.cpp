@@ -20,7 +20,8 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
     const Eigen::Vector3d place = model.surface().position(anchor);
     AreaSample sample = model.area(static_cast<std::size_t>(area)).evaluate(place, displacement);
     if (model.isGuessAt(place)) {
-      sample.error_bound = std::max(sample.error_bound, sample.force.norm());
+      // In this order, a bound that is NaN becomes the force.
+      sample.error_bound = std::max(sample.force.norm(), sample.error_bound);
       sample.inside = false;
       sample.coverage = 0;
     }

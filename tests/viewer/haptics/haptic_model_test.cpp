@@ -122,6 +122,24 @@ TEST_F(GrowingBody, IsAGuessOnlyNearUnfinishedSites) {
   EXPECT_FALSE(whole.isGuessAt(unfinishedPlace()));
 }
 
+/// A single site has no other site from which its error could be estimated.
+TEST_F(GrowingBody, BoundsTheGuessOfASingleSite) {
+  test::FingerBody single;
+  const auto others = [&](auto& list) { list.erase(list.begin() + 1, list.end()); };
+  others(single.problem.active);
+  others(single.problem.scene.active);
+  others(single.spaces);
+  for (PointRecord& point : single.spaces[0].points) point = {};
+  single.seal(directory / "single.h5");
+  const HapticModel model(Dataset(directory / "single.h5"), {.guess = true});
+  const Eigen::Vector3d place = single.spaces[0].patch.finger->center;
+  Contact contact(model);
+  contact.update(place + Eigen::Vector3d(0, 0, 0.001));
+  const Touch& touch = contact.update(place + push);
+  ASSERT_TRUE(touch.touching);
+  EXPECT_GE(touch.error_bound, touch.force.norm());
+}
+
 /// A hand feels by its bound that a force is guessed, and feels no kick when results replace it.
 TEST_F(GrowingBody, ReplacesAGuessUnderTheHand) {
   const HapticModel guess = modelOf("part.h5", true), whole = modelOf("whole.h5", true);
