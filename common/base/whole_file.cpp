@@ -46,7 +46,8 @@ FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view wh
     while (flock(taken.get(), LOCK_EX) != 0 && errno == EINTR)
       if (interrupted())
         throw Error(ExitCode::interrupted,
-                    fmt::format("interrupted while another process writes {}", aside.string()));
+                    fmt::format("interrupted while waiting for another process that writes {}",
+                                aside.string()));
     // Try again if the locked file is no longer at the path: the process that held the lock before
     // has renamed or removed it.
     if (stat(aside.c_str(), &there) != 0 || !isTheSame(held, there)) continue;

@@ -83,7 +83,7 @@ class Dataset {
   /// empty if the dataset stores none (storedPressures). Values are NaN at points that are not
   /// solved.
   NodalFields surfaceFields(std::size_t space) const;
-  /// Returns all arrays of the file.
+  /// Returns path, type, shape, hash and stored size of every array of the file.
   const std::vector<hdf5::ArrayInfo>& arrays() const;
   /// Reads and verifies every array, including the nodal fields. Error names the first damaged
   /// array.

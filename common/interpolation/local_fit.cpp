@@ -88,7 +88,8 @@ KnownOrders oneLess(KnownOrders known) {
   return static_cast<KnownOrders>(static_cast<int>(known) - 1);
 }
 
-/// Returns the number of data of a source that are used.
+/// Returns how many data of a source enter the fit. FitSource::known and LocalFits::Kind::known
+/// both limit their order.
 Eigen::Index numbersOf(KnownOrders of_source, KnownOrders of_kind) {
   return termsUpTo(static_cast<int>(std::min(of_source, of_kind)));
 }

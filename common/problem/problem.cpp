@@ -156,8 +156,10 @@ void checkRegions(const Problem& problem) {
   if (problem.region_of.size() != n_elements ||
       std::ranges::any_of(problem.region_of, [&](auto r) { return r >= n_regions; }))
     throw badInput("the regions of the {} tetrahedra do not match the scene", n_elements);
-  if (problem.fibers.size() != (hasFibers(problem.scene.regions) ? n_elements : 0))
-    throw badInput("there are {} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
+  if (const std::size_t needed = hasFibers(problem.scene.regions) ? n_elements : 0;
+      problem.fibers.size() != needed)
+    throw badInput("the problem has fibres for {} of {} tetrahedra, but its materials need {}",
+                   problem.fibers.size(), n_elements, needed);
   for (const auto& fibers : problem.fibers)
     for (const Eigen::Vector3d& fiber : fibers)
       if (!fiber.isZero(0) && !(std::abs(fiber.squaredNorm() - 1) < 1e-12))

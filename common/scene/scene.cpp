@@ -200,7 +200,8 @@ ActiveSelection readActive(const TomlSection& section) {
   active.lines = section.lines();
   active.name = section.require("name", "every active node needs a name", &TomlSection::text);
   if (!isPlainName(active.name))
-    throw section.wrong("name", "\"{}\" may hold letters, digits, - and _ only", active.name);
+    throw section.wrong("name", "\"{}\" is not a valid name; use only letters, digits, - and _",
+                        active.name);
   if (section.has("near") + section.has("node") + section.has("surface") != 1)
     throw section.wrong(
         "near",
@@ -217,10 +218,10 @@ ActiveSelection readActive(const TomlSection& section) {
   active.area = section.optional("area", &TomlSection::text).value_or("");
   if (!active.area.empty() && active.surface)
     throw section.wrong(
-        "area", "is only for fingers without the key surface; a surface is already an area");
+        "area", "is not allowed together with the key \"surface\", which already makes an area");
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
     throw section.wrong(
-        "area", "\"{}\" may hold letters, digits, - and _ only, and needs tool = \"finger\"",
+        "area", "\"{}\" must have only letters, digits, - and _, and needs tool = \"finger\"",
         active.area);
   active.probe_of = section.optional("probe_of", &TomlSection::text).value_or("");
   active.probe = section.optional("probe", &TomlSection::point);

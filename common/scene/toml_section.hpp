@@ -80,16 +80,16 @@ class TomlSection {
     if (const std::optional<Value> given = optional(key, reading)) value = *given;
   }
 
-  /// Returns the index in `words` of the word that `key` holds.
+  /// Returns the index in `words` of the value of `key`.
   std::size_t choice(std::string_view key, const toml::node& node, Words words) const;
-  /// Returns the enumerator with the word that `key` holds (formulation.hpp), or `otherwise` if the
-  /// key is absent.
+  /// Returns the enumerator whose word (words_of in formulation.hpp) is the value of `key`, or
+  /// `otherwise` if the key is absent.
   template <class Choice>
   Choice choice(std::string_view key, Choice otherwise) const {
     const toml::node* node = find(key);
     return node ? static_cast<Choice>(choice(key, *node, words_of<Choice>)) : otherwise;
   }
-  /// Returns the integer that `key` holds, which must be in lowest..highest, or `otherwise` if the
+  /// Returns the integer value of `key`, which must be in lowest..highest, or `otherwise` if the
   /// key is absent.
   std::int32_t integer(std::string_view key, std::int32_t otherwise, std::int32_t lowest,
                        std::int32_t highest) const;

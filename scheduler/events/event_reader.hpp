@@ -21,7 +21,7 @@ std::vector<std::string> lastEvents(const std::filesystem::path& directory,
 /// thread.
 class EventReader {
  public:
-  /// A directory without event files has no events.
+  /// It is no error if the directory has no event files: readOn() then passes no events.
   explicit EventReader(std::filesystem::path directory, WantedEvents wanted = {})
       : directory_(std::move(directory)), wanted_(std::move(wanted)) {}
 

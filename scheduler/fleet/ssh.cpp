@@ -49,7 +49,8 @@ std::vector<std::string> wordsFor(const SshOptions& options, const std::string& 
 /// Returns the likely cause of an exit code, as a prefix for the log.
 const char* meaningOf(const std::string& how) {
   if (how == "exit code 255") return "ssh cannot connect; ";
-  if (how == "exit code 127") return "--program or one of its libraries is missing; ";
+  if (how == "exit code 127")
+    return "palpate (option --program) or one of its libraries is missing on this machine; ";
   return "";
 }
 

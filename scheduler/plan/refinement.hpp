@@ -39,9 +39,10 @@ struct Refinement {
 ///   (Finger::reach) with at most max_force.
 /// - It is enough that 99 % of these positions meet the accuracy.
 /// - A leaf with a failed corner or an apparent jump is split only once.
-/// - A leaf at the rest position is an exception to these rules if one of its edges leads from rest
-///   to a failed corner. It is split even if the accuracy is met elsewhere. The tissue is then
-///   stiff relative to the spacing, and everything that a hand feels lies in that leaf.
+/// - A leaf at the rest position is an exception to the last two rules if one of its edges leads
+///   from rest to a failed corner: it is split as often as `levels` allows, unless it has an
+///   apparent jump. The tissue is then stiff relative to the spacing, and nearly everything that a
+///   hand feels lies in that leaf.
 ///
 /// Begin with a coarse lattice, spacing = radius / 2 (33 points): refinement adds the points that
 /// are needed. A spacing as large as the radius gives too few points to judge by, and radius / 3

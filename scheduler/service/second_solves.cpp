@@ -158,8 +158,8 @@ void SecondSolves::findLiars(const SpotChecks::Verdict& verdict, const std::stri
   for (const KeptOut& liar : state_.liars) state_.chronicle.keptOut(liar);
 }
 
-/// Returns true if machines that were here before may still come back. The wait for them ends when
-/// nothing but checks has been left for checks_wait.
+/// Returns true while checks still wait for machines that worked on this build before and may
+/// connect again. Their time is over once only checks have been left for as long as checks_wait.
 bool SecondSolves::othersMayCome() const {
   return !only_these_left_ || state_.now - *only_these_left_ < state_.settings.checks_wait;
 }

@@ -48,7 +48,8 @@ struct CoordinatorSettings {
   /// this limit, requests for start configurations are not answered; the workers ask again.
   std::size_t unread_starts = std::size_t{96} << 20;
   SpotCheckSettings spot_checks;
-  /// When only checks are left, the scheduler waits this long for earlier machines to come back.
+  /// When only spot checks are left, the scheduler waits this long for machines that worked on this
+  /// build before to connect again.
   std::chrono::milliseconds checks_wait{15000};
   /// True if keys identify people and machines; false if they were made for this run only.
   bool keys_tell_who = true;

@@ -190,8 +190,10 @@ void Workers::reclaimFromIdle() {
   for (auto& [id, worker] : registry.all()) {
     if (!worker.idle_since || state_.now - *worker.idle_since < state_.settings.idle_with_leases)
       continue;
-    state_.chronicle.warn("worker {} on {} was given solves but reports none; others get them",
-                          worker.pid, worker.host);
+    state_.chronicle.warn(
+        "worker {} on {} has leases, but its heartbeats report no solve; other workers get its "
+        "targets",
+        worker.pid, worker.host);
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
     leases.giveBack(id);

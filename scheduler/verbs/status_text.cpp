@@ -128,9 +128,9 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
       100 * kept / static_cast<double>(judged));
   if (keeping < judged)
     text += fmt::format(
-        "; this holds everywhere for {} of {}, the worst is {} with {:.4g} %. More "
-        "`levels` help where cells have been split as often as `levels` allows, but not between "
-        "neighbours on different branches",
+        "; {} of {} meet this in the whole workspace, and the worst, {}, in {:.4g} %. A "
+        "larger value of `levels` helps where cells have already been split `levels` times, but "
+        "not at a jump between branches",
         keeping, counted(judged, "active node"), least_name, 100 * least);
   return text + '\n';
 }

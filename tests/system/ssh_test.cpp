@@ -91,7 +91,8 @@ TEST_F(SshTest, AnUnknownMachineIsNotTrustedAndTriedAgain) {
 TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilInstalled) {
   auto scheduler = startServe();
   auto fleet = startFleet(path("known"), path("worker"));
-  EXPECT_TRUE(test::says(*fleet, "exit code 127 (--program or one of its libraries is missing"))
+  EXPECT_TRUE(test::says(
+      *fleet, "exit code 127 (palpate (option --program) or one of its libraries is missing"))
       << fleet->output();
   std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate", path("worker"));
   expectFinished(*scheduler);

@@ -22,9 +22,9 @@ class InterpolatedShape {
   /// The dataset must outlive this object.
   InterpolatedShape(const Dataset& dataset, const ActiveChoice& choice);
 
-  /// Returns the fields at a displacement, metres; at a solved lattice point these are exactly the
-  /// stored values. place: place of the finger on the surface at rest, metres; none for other
-  /// tools. Error if a configuration cannot be read.
+  /// Returns the fields at a displacement, metres. With a single space, the fields at a solved
+  /// lattice point are exactly the stored values. place: the finger's place on the surface at rest,
+  /// metres; used only if the choice has several spaces. Error if a configuration cannot be read.
   NodalFields at(const std::optional<Eigen::Vector3d>& place, const Eigen::Vector3d& displacement);
 
  private:

@@ -31,8 +31,8 @@ constexpr double kernel_width = 1.5;
 /// - share_of_lack multiplies the relative error of each site when it is interpolated from the
 ///   sites around it. The error is scaled from the site to the place by the square root of a ratio.
 ///   The ratio is the power (HermiteWeights) at the place, divided by the power at the site without
-///   its own data. The root is a compromise between 1, for functions that are not smooth, and the
-///   ratio, for smooth functions.
+///   its own data. For functions that are not smooth the factor would be 1, and for smooth ones the
+///   ratio itself; the root lies between.
 /// - share_of_power multiplies the power at the place.
 /// - share_of_force is a constant relative error, for interpolation to collocation points.
 ///

@@ -60,7 +60,8 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 /// reader wait, and commands that query few places prepare only around a place. Both give exactly
 /// the same samples.
 ///
-/// One thread may prepare while no thread evaluates; otherwise any thread may evaluate.
+/// Only one thread at a time may prepare, and no thread may evaluate meanwhile. Any number of
+/// threads may evaluate at the same time.
 class AreaField {
  public:
   /// Collocation points, metres.

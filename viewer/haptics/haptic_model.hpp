@@ -123,7 +123,8 @@ class HapticModel {
   std::vector<bool> guessed_;  ///< [space]
   NearPoints guessed_sites_;   ///< centres of guessed sites; reach: distance of their influence
   std::vector<double> tool_radii_;  ///< m, [space]
-  /// Places around the sites of each area, m. They decide where the area gets collocation points.
+  /// Candidates for the collocation points of each area (placesAround): places on the surface
+  /// around its sites, m, [area].
   std::vector<std::vector<Eigen::Vector3d>> places_;
   std::mutex making_areas_;
   bool areas_made_ = false;

@@ -69,9 +69,10 @@ std::string faultOfPoints(const SpaceTable& space) {
   return faultOf(space);
 }
 
-/// Also refuses shares of more than a million radii. Real shares are smaller, because modes are
-/// orthonormal and displacements are about as large as that of the tool. With such large shares,
-/// interpolated shapes would be nothing but rounding errors.
+/// Returns the fault of these shapes; empty if there is none. Factors of modes
+/// (CarriedShapes::shares) above a million radii of the workspace are a fault. Real factors are
+/// smaller, because modes are orthonormal and displacements are about as large as that of the tool.
+/// With such large factors, interpolated shapes would be nothing but rounding errors.
 std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTable>& spaces) {
   // False for NaN.
   const auto areWithin = [](const std::vector<float>& values, double most) {

@@ -29,7 +29,8 @@ bool makesABody(double extent, const LengthUnit& unit);
 /// Returns why this unit does not fit: a clause for the user.
 std::string whyNotIn(double extent, const LengthUnit& unit);
 
-/// Returns the unit of this name. Error (bad input), with a list of the names, if there is none.
+/// Returns the unit with this word (LengthUnit::word), such as "mm". Error (bad input), with a list
+/// of the words, if there is none.
 LengthUnit unitNamed(const std::string& word);
 
 }  // namespace palpate

@@ -12,10 +12,12 @@ namespace palpate {
 /// First-order sensitivities suffice for third derivatives of a minimum (the 2n + 1 theorem,
 /// Wigner). Let x_a be the change of the state when p or s moves in the direction a. Then
 ///
-///   d3E/da db dc = d3 Pi [x_a, x_b, x_c] - the third derivative of multiplier . B(s) (u - u_rest)
+///   d3E/da db dc = d3 Pi [x_a, x_b, x_c] - d3 G [a, b, c]
 ///
-/// in the directions a, b, c, where B, u and the multiplier all move. Pi is the energy of the
-/// elements. Its third derivative is computed from central differences of the tangent along x_a.
+/// Pi is the energy of the elements. G = multiplier . B(s) (u - u_rest), where B(s) has the weights
+/// of the finger. In d3 G, s moves along a, b and c, and u and the multiplier move by their first
+/// derivatives. The third derivative of Pi is computed from central differences of the tangent
+/// along x_a.
 ///
 /// `sensitivity` has the derivatives of the unknowns and multipliers: three columns for
 /// p, then three for s. `finger` must be the tool of `system`. Costs six tangents and no

@@ -181,7 +181,7 @@ Push tip() {
   for (Eigen::Vector3d& node : mesh.nodes)
     for (const int axis : {0, 1})
       node[axis] = cube_edge / 2 + (1 - 0.9 * node[2] / cube_edge) * (node[axis] - cube_edge / 2);
-  return soft("tip pushed into itself", std::move(mesh), 0.003, 4e-3);
+  return soft("pyramid, pressed in at its tip", std::move(mesh), 0.003, 4e-3);
 }
 
 std::vector<Row> interfaces() {

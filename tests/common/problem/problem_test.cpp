@@ -429,6 +429,7 @@ TEST_F(QuadraticProblem, SerializesRegionsFibersAndWeightsBitForBit) {
 }
 
 TEST_F(QuadraticProblem, DamagedRegionsFibersAndWeightsAreRefused) {
+  const Material without_fibers = scene.regions[0].material;
   useFibers();
   addUpperRegion();
   scene.active[0].radius = 0.08;
@@ -441,7 +442,12 @@ TEST_F(QuadraticProblem, DamagedRegionsFibersAndWeightsAreRefused) {
   };
   refused([](auto& p) { p.region_of[3] = 2; }, {"damaged", "regions"});
   refused([](auto& p) { p.region_of.pop_back(); }, {"damaged", "regions"});
-  refused([](auto& p) { p.fibers.pop_back(); }, {"damaged", "fibres"});
+  refused([](auto& p) { p.fibers.pop_back(); }, {"damaged", "fibres for 383 of 384", "need 384"});
+  refused(
+      [&](auto& p) {
+        for (Region& region : p.scene.regions) region.material = without_fibers;
+      },
+      {"damaged", "fibres for 384 of 384", "need 0"});
   refused([](auto& p) { p.fibers[7][1] *= 1.1; }, {"damaged", "a fibre of length 1.1"});
   refused([](auto& p) { p.active[0].weights[2] += 1e-6; }, {"damaged", "weights"});
   refused([](auto& p) { p.active[0].weights.clear(); }, {"damaged", "0 weights"});

@@ -210,7 +210,7 @@ CASES |= {f"bone of {young:g} Pa, P2": (bone, young) for young in (1e8, 1e10)}
 CASES |= {f"capsule with fibres, {1e3 * depth:g} mm": (capsule, depth) for depth in (2e-3, 6e-3)}
 CASES |= {f"{law}, nu = 0.499": (nearly_incompressible, strain) for law, strain in (("linear", "e"), ("st-venant-kirchhoff", "E"))}
 CASES |= {"pressed in by 12 of 40 mm, nu = 0.49": (press, (0.04,) * 3, (4, 4, 4), 12e-3, MIDDLE, 0.0101, 1, 149e3),
-          "tip pushed into itself": (press, (0.04,) * 3, (4, 4, 8), 4e-3, MIDDLE, 0.003, 0.1),
+          "pyramid, pressed in at its tip": (press, (0.04,) * 3, (4, 4, 8), 4e-3, MIDDLE, 0.003, 0.1),
           "one layer on bone": (press, (0.04, 0.04, 0.01), (4, 4, 1), 2e-3, (0.02, 0.02, 0.01), 0.0075),
           "flat elements": (press, (0.04,) * 3, (4, 4, 64), 6e-3)}
 
