@@ -456,7 +456,7 @@ class ViewSession {
     const std::vector<SpaceTable>& spaces = loaded_->first().spaces();
     std::size_t finished = 0;
     for (std::size_t s = 0; s < spaces.size(); ++s) finished += !loaded_->first().isGuess(s);
-    spdlog::info("{} of {} can be felt as computed", finished, counted(spaces.size(), "site"));
+    spdlog::info("{} of {} have computed forces", finished, counted(spaces.size(), "site"));
   }
 
   /// Returns whether the loop has carried out the replacement. Tick retired_tick_ + 1 may have

@@ -128,7 +128,7 @@ void replaceFile(const std::filesystem::path& file, const std::function<std::str
     errno = 0;
     std::ofstream out(aside, std::ios::binary);
     out << all;
-    // Close before the check, because the last bytes are written only now.
+    // Close before the check, because close() writes the last bytes.
     out.close();
     if (!out) throw unwritable(file, what);
   });

@@ -203,8 +203,8 @@ ArrayInfo Reader::inspect(const std::string& path) const {
   // A small file must not be able to make the reader allocate huge memory.
   const double largest =
       static_cast<double>(file_size_) * (layout == H5D_CHUNKED ? max_gzip_ratio : 1);
-  // Nor may an array have more rows than the file has bytes, even if its rows are empty or not
-  // allocated.
+  // An array must not have more rows than the file has bytes either, even if its rows are empty or
+  // not allocated.
   const bool too_many_rows = !info.shape.empty() && info.shape[0] > file_size_;
   if (too_many_rows || bytesReadAtOnce(info) > largest)
     throw damaged(path, "has the impossible shape " + describe(info.shape));

@@ -14,7 +14,7 @@ namespace {
 // ball and the neighbourhood of jumps between branches. The bound holds at 99 % of these solutions.
 // In the median it is 6 to 11 times the error (docs/internals/measurements.md).
 constexpr double share_of_spread = 0.75;  ///< factor of the mean difference, without ghosts
-/// This number times the weight of the ghost corners is added to share_of_spread.
+/// Multiplied by the weight of the ghost corners and added to share_of_spread.
 constexpr double share_at_ghosts = 2.5;
 constexpr double at_suspect_edges = 3;  ///< factor of the bound in leaves with a suspect edge
 

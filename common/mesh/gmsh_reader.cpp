@@ -106,7 +106,8 @@ class GmshText {
       have_elements_ = true;
     } else if (section_ == "$ElementData") {
       if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
-      // Check this only now: without data, repeated elements of version 2.2 may share a number.
+      // Refuse repeated numbers only in a file with element data: in version 2.2, the copies of an
+      // element may share a number.
       if (tetrahedron_tag_twice_)
         throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}",
                            *tetrahedron_tag_twice_);

@@ -192,9 +192,9 @@ class Warnings {
     // beside fixed nodes.
     if (2 * thin.size() > problem_.active.size())
       warn(
-          "active {}: the single element between the tool and what is fixed or nearly rigid cannot "
-          "bulge, so forces are a third too large; refine the mesh there, or use displacement = "
-          "\"P2\"",
+          "active {}: the single element between the tool and fixed nodes or a nearly rigid region "
+          "cannot bulge, so forces are a third too large; refine the mesh there, or use "
+          "displacement = \"P2\"",
           listOf(thin));
   }
 

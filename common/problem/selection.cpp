@@ -371,7 +371,7 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
     if (!names.insert(one.name).second)
       throw badInputAt(
           one.lines.of("name"),
-          "two active nodes are called \"{}\"; a surface made one of them, so rename the other",
+          "two active nodes are called \"{}\"; one of them is part of a surface: rename the other",
           one.name);
   return expanded;
 }

@@ -31,7 +31,7 @@ std::string meaningOf(const Failure& f) {
           f.element, f.element_det_F);
     case Cause::wrong_inertia:
       return fmt::format(
-          "{} negative pivots instead of {}: a fold or another solution branch lies in between",
+          "{} negative pivots instead of {}: the state is beyond a fold or on another branch",
           f.negative_pivots, f.expected_negative_pivots);
     case Cause::factorization_failed:
       if (f.mumps_infog1 >= 0)
@@ -53,7 +53,7 @@ std::string meaningOf(const Failure& f) {
           "turn); smaller steps do not help, but another path may",
           f.negative_pivots, f.expected_negative_pivots);
     case Cause::beyond_force:
-      return "the force there is many times workspace.max_force and would never be rendered; this "
+      return "the force there is far above workspace.max_force and would never be rendered; this "
              "is not an error";
     case Cause::bifurcation:
       return fmt::format(

@@ -66,7 +66,7 @@ ZapHandler::ZapHandler(zmq::context_t& context, zmq::socket_t& socket, const Key
 
 ZapHandler::~ZapHandler() {
   thread_.request_stop();
-  // If this fails, the thread notices the stop request within a second.
+  // If the write fails, the thread notices the stop request within a second.
   eventfd_write(wake_up_.get(), 1);
   thread_.join();
   // Unbind now, so that the endpoint is free at once; closing the socket frees it a moment later.

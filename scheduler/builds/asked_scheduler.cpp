@@ -68,8 +68,8 @@ wire::Status askStatus(const StateDirectory::Address& scheduler, const std::stri
   if (const auto build = buildIn(where); build && build->hex() != status.build())
     throw failure(
         "{}: a scheduler of another build (scene \"{}\", build {}) answers at {}, in place of the "
-        "scheduler of this directory (build {}, process {}): end the wrong one, and start this one "
-        "again at an endpoint of its own",
+        "scheduler of this directory (build {}, process {}): end the wrong scheduler, and start "
+        "that of this directory again, at an endpoint of its own",
         where, status.scene(), status.build().substr(0, 12), endpoint, build->shortHex(),
         StateDirectory::holder(where).value_or("ended"));
   return status;

@@ -20,9 +20,10 @@ constexpr int samples = 5;
 /// Likely error as a fraction of the bound of field_error.hpp. The bound holds at 99 % of
 /// positions; in the median it is 6 to 11 times the error.
 ///
-/// Measured at 1000 exact solutions (liver-493, Mooney-Rivlin, 60 mm), for an accuracy of 3 % or 10
-/// mN: with 0.2, refinement makes 83 configurations, which meet the accuracy at 99.5 % of the
-/// positions. With 0.25 it needs 108 configurations for 100 %, and with 0.15 it stops at 98.8 %.
+/// Measured at 1000 exact solutions (liver-493, Mooney-Rivlin, ball of 60 mm), for an accuracy of 3
+/// % or 10 mN: with 0.2, refinement makes 83 configurations, which meet the accuracy at 99.5 % of
+/// the positions. With 0.25 it needs 108 configurations for 100 %, and with 0.15 it stops at 98.8
+/// %.
 constexpr double likely_share = 0.2;
 
 /// Fraction of the ball in which the likely error must meet the accuracy. The remaining positions

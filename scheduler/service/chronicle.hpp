@@ -61,8 +61,8 @@ class Chronicle {
   /// Returns true if the limit allows another report that a peer caused. If earlier reports were
   /// left out, first reports how many.
   bool mayTell();
-  /// The same for log lines without an event. They have a budget of their own, so that they never
-  /// displace events.
+  /// Does the same as mayTell() for log lines without an event, which have a budget of their own,
+  /// so that they never displace events.
   bool mayLog();
   Event of(EventWord word, const ResultKey& key) const;
 

@@ -10,10 +10,10 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::seconds servers_written_every{5};
-/// When a worker has joined, the table of servers is written after this delay per workers_per_wait
-/// workers. It is short, because users look for the worker that they just started. It grows with
-/// the number of workers: otherwise, in a flood of new workers, each would cause all rows to be
-/// written.
+/// Time from the last write of the table of servers until the next one if workers have joined, for
+/// every workers_per_wait workers. The time is short, because users look for the worker that they
+/// just started. It grows with the number of workers: otherwise, in a flood of new workers, each
+/// would cause all rows to be written.
 constexpr std::chrono::milliseconds newcomers_written_after{1};  // per workers_per_wait workers
 constexpr std::size_t workers_per_wait = 8;
 

@@ -16,8 +16,8 @@ struct SpotCheckSettings {
   /// this fraction goes to failures, and up to a quarter to odd results (oddnessBeside); the rest
   /// is drawn by lot. If `share` is 0, no result is picked.
   double share = 0.01;
-  /// Up to this many failures, and this many odd results, are solved again even if a quarter of
-  /// `share` is less. In a small build it is less than one result.
+  /// Up to this many failures, and this many odd results, are solved again even if they exceed a
+  /// quarter of `share`, which in a small build is less than one result.
   std::int64_t suspects_at_least = 8;
   /// Limit on the number of open checks, so that they do not delay new work.
   std::size_t most_open = 64;

@@ -95,7 +95,8 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
     hosts.keep(now);
     if (interrupted()) {
       hosts.terminate(grace);
-      fmt::print("stopped; these workers were ended, and the build continues with other workers\n");
+      fmt::print(
+          "stopped; the workers of this command were ended, and the build continues with others\n");
       return ExitCode::interrupted;
     }
     if (hosts.done()) break;

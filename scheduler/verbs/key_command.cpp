@@ -46,7 +46,7 @@ ExitCode show(const KeyOrder& order) {
 ExitCode allow(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
   folder.allow({writtenKey(order.key), rolesOf(order.roles), order.name});
-  fmt::print("allowed by servers with the keys in {}, including running ones\n",
+  fmt::print("servers that use the keys in {} now allow this key, including running servers\n",
              folder.path().string());
   return ExitCode::done;
 }

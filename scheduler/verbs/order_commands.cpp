@@ -19,7 +19,7 @@ ExitCode stop(const Asked& asked) {
   question.mutable_stop_request();
   if (!order(asked, question, wire::Message::kStopReply))
     throw failure("{}: no scheduler is running there", asked.where);
-  fmt::print("{}: stopping; the same command continues from the recorded results\n", asked.where);
+  fmt::print("{}: stopping; the command that started the build continues it\n", asked.where);
   return ExitCode::done;
 }
 

@@ -124,9 +124,10 @@ std::string chosenKernels(const std::string& kernels) {
     if (name(family) != kernels) continue;
     // docs/evaluation.md gives the measured factors.
     constexpr std::array who = {
-        "all machines can join; those with AVX2 or more take about 1.3 times as long as otherwise",
+        "all machines can join; those with AVX2 or AVX-512 take about 1.3 times as long as with "
+        "their own kernels",
         "machines without AVX2 are refused; those with AVX-512 take up to 1.1 times as long as "
-        "otherwise",
+        "with their own kernels",
         "machines without AVX-512 are refused"};
     spdlog::info("using the {} kernels: {}", arithmeticOf(family),
                  who[static_cast<std::size_t>(family)]);

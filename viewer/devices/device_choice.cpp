@@ -99,7 +99,7 @@ const Opener& openerOf(const std::string& text, const Word& word, bool with_body
   throw unknown(text, word.kind, with_body);
 }
 
-/// Returns whether a word is an endpoint. Its colons do not separate a kind from a rest.
+/// Returns whether a word is an endpoint, which is not split at its first colon.
 bool isEndpoint(const std::string& text) {
   return text.starts_with("tcp://") || text.starts_with("ipc://");
 }

@@ -42,7 +42,8 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 ///   sites. The lattice of a collocation point is refined wherever one of the lattices of its seven
 ///   sites is refined.
 /// - Around a collocation point, E is expanded to the second order in s. The expansions Q are
-///   blended by a partition of unity (Shepard 1968). With d = s - collocation point:
+///   blended by a partition of unity (Shepard 1968). Let d be the vector from the collocation point
+///   to s. Then
 ///
 ///     E(s, p) = sum of w(|d| / reach) Q(d, p) / sum of w,    w(x) = (1 - x)^4 (4 x + 1)
 ///

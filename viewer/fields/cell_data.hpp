@@ -66,7 +66,7 @@ struct CellBranches {
 /// A cell tree with nodal data at its slots, from which methods interpolate in the leaves.
 struct CellData : CellBranches {
   explicit CellData(const SpaceTable& space);
-  /// As above, with `fits` that spaces with equal lattices share.
+  /// The same, with `fits` that spaces with equal lattices may share.
   CellData(const SpaceTable& space, LocalFits& fits);
 
   std::vector<LatticeEdge> suspect;     ///< suspectEdges of the space

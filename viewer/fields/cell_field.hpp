@@ -12,10 +12,10 @@ namespace palpate {
 /// branches. Every leaf with an edge between branches (branch_check.hpp) sets the flag of its
 /// corners to 1; all other corners have the flag 0. Let w be the tri-linear interpolant of the
 /// flags. If w > 0, the error bound grows by w times the largest difference between forces at the
-/// leaf's corners. Methods without an energy of their own then return the force (1 - w) smooth + w
-/// tri-linear, and no energy. This force is tri-linear in a flagged leaf, smooth in leaves that do
-/// not touch a flagged leaf, and continuous. Corners of leaves with an inconsistent edge have
-/// coverage 0.
+/// leaf's corners. Methods without an energy of their own then return no energy, and the mean of
+/// the smooth and the tri-linear force with the weights 1 - w and w. This force is tri-linear in a
+/// flagged leaf, smooth in leaves that do not touch a flagged leaf, and continuous. Corners of
+/// leaves with an inconsistent edge have coverage 0.
 class CellField : public ForceField {
  public:
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept final;

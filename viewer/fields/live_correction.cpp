@@ -86,7 +86,7 @@ double LiveCorrection::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   return now * share + before * share_before;
 }
 
-/// As correct(), with one pair of expansions.
+/// Does what correct() does, with a single pair of expansions.
 double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                              AreaSample& sample) const noexcept {
   std::array<Weight, 2> weights;

@@ -12,9 +12,9 @@ namespace {
 
 // Mismatch that an edge may keep, as a share of the difference between the forces at its ends. Up
 // to a share of 0.27, the force of a quintic stays between the forces at the ends. Measured at 9315
-// exact solutions (ten nodes of the coarse liver, 100 mm, 20 mm spacing): with 0.1, the largest
-// error next to jumps stays near that of tri-linear interpolation. With larger shares, only the
-// mean error stays near it.
+// exact solutions (ten nodes of the coarse liver, balls of 100 mm, spacing 20 mm): with 0.1, the
+// largest error next to jumps stays near that of tri-linear interpolation. With larger shares, only
+// the mean error stays near it.
 constexpr double allowed_share = 0.1;
 // Number of sweeps. Each sweep multiplies the distance to the minimum by at most about 6/7.
 constexpr int sweeps = 100;

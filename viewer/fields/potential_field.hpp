@@ -20,7 +20,7 @@ namespace palpate {
 ///
 /// The corrections x minimise
 ///
-///   the sum over edges of max(0, |f| - 0.1 |dF|)^2 + the sum over slots of (x / h)^2,
+///   sum over edges of max(0, |f| - 0.1 |dF|)^2 + sum over slots of (x / h)^2,
 ///
 /// where h is the length of the shortest edge at the slot. f, N, is the part of the energy
 /// difference between the edge's ends that their forces do not explain by the corrected trapezoidal

@@ -57,10 +57,10 @@ struct Touch : ForceSample {
 /// Otherwise the anchor slides against T until this inequality holds again, across the edges of
 /// triangles. Sliding therefore never creates energy, and dissipates none without friction. If a
 /// method has no energy, the anchor slides by the tangential force alone. The anchor cannot leave
-/// the touchable surface and stops at its rim. Per tick it slides at most min(most_slide, 2 x tool
-/// motion + the distance that changes the force by most_relaxation) (anchor_slide.cpp); later ticks
-/// continue. The anchor moves continuously and the weights are continuous, so the force is
-/// continuous too.
+/// the touchable surface and stops at its rim. Per tick it slides at most most_slide, and at most
+/// twice the tool's motion plus the distance that changes the force by most_relaxation
+/// (anchor_slide.cpp); later ticks continue. The anchor moves continuously and the weights are
+/// continuous, so the force is continuous too.
 ///
 /// Beyond the computed region each space returns a continuation of its force, which only becomes
 /// stiffer (fields/answered_region.hpp). The continuation derives from the same energy, so contact

@@ -90,7 +90,7 @@ class EnergyLimit {
   double stored_ = 0;        ///< J
   double touch_energy_ = 0;  ///< energy of the touch at the last reading, J
   double rendered_ = 1;      ///< `rendered` of the last reading, see observe()
-  // These come from the last reading and the one before; m, m/s, m/s^2, N.
+  // Motion and raw force at the last reading and the one before; m, m/s, m/s^2, N.
   Eigen::Vector3d tool_ = Eigen::Vector3d::Zero(), rest_ = tool_, velocity_ = tool_,
                   last_velocity_ = tool_, acceleration_ = tool_, last_acceleration_ = tool_,
                   raw_ = tool_;

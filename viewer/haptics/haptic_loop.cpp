@@ -190,7 +190,8 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   ticks_done_.store(statistics_.ticks, std::memory_order_release);
   lost_.store(lost, std::memory_order_release);
   if (halted && !lost) {
-    // Clear the flag afterwards, because then the watchdog may halt the device again.
+    // Clear the flag after resume(), because once it is clear the watchdog may halt the device
+    // again.
     device_.resume();
     halted_.store(false, std::memory_order_release);
   }

@@ -22,8 +22,8 @@ struct LoopOptions {
   bool free_running = false;  ///< run ticks as fast as possible, without a clock (tests, --fast)
   double watchdog = 0.1;      ///< time without a tick until the device is halted, s
   std::uint64_t ticks = 0;    ///< number of ticks until the loop stops; 0: never
-  /// Put every state into a queue for takeRecorded(). The queue holds 8192 states. If it is full,
-  /// further states are dropped and counted; a free-running loop waits instead.
+  /// Whether to put every state into a queue for takeRecorded(). The queue holds 8192 states. If it
+  /// is full, further states are dropped and counted; a free-running loop waits instead.
   bool record = false;
 };
 

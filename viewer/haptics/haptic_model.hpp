@@ -20,15 +20,16 @@ struct HapticModelOptions {
   /// Methods of interpolation between which a touch can switch; the first is used initially.
   std::vector<std::string> methods = {"potential", "trilinear"};
   double reach = 0;  ///< passed to TouchSurface, m
-  /// Also keep the pressures of the surface if the dataset has them: 4 bytes per vertex and solved
-  /// point.
+  /// Whether to keep the pressures of the surface too, if the dataset has them: 4 bytes per vertex
+  /// and solved point.
   bool pressures = false;
-  /// Prepare everything in the constructor. If false, the caller prepares each method with
+  /// Whether the constructor prepares everything. If false, the caller prepares each method with
   /// HapticModel::prepare(), and the pressures with preparePressures().
   bool prepare = true;
-  /// Replace each unfinished site of a finger by a guess (guessed_sites.hpp). Forces near such a
-  /// site are marked as not inside, with an error bound of at least the force itself. If false, the
-  /// solved points of unfinished sites are used, and sites without a solved point are left out.
+  /// Whether to replace each unfinished site of a finger by a guess (guessed_sites.hpp). Forces
+  /// near such a site are marked as not inside, with an error bound of at least the force itself.
+  /// If false, the solved points of unfinished sites are used, and sites without a solved point are
+  /// left out.
   bool guess = false;
   /// A stop request ends the reading of the shapes; the constructor then throws an Error with the
   /// exit code of an interrupt.

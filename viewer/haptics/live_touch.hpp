@@ -53,7 +53,8 @@ class LiveTouch {
   /// fade.
   void begin(double period) noexcept;
   void publish(const LiveHand& hand) noexcept;
-  /// As LiveCorrection::correct().
+  /// Corrects a sample of the area and returns the share of the expansions, as
+  /// LiveCorrection::correct() does.
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                  AreaSample& sample) const noexcept {
     return correction_.correct(s, p, sample);

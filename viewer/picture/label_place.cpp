@@ -9,7 +9,7 @@ namespace {
 constexpr double gap = 8;           // px, distance between the tip and the label
 constexpr double least_length = 4;  // px: a shorter arrow has no visible direction
 constexpr int samples_of_a_line = 24;
-/// Tried in this order: factors that increase the label's distance from the tip (boxBeyondTip).
+/// Factors on the label's distance from the tip (boxBeyondTip), tried in this order.
 constexpr std::array reaches = {1.0, 1.8, 3.0, 5.0, 8.0, 12.0};
 
 bool overlap(const ScreenBox& a, const ScreenBox& b) {

@@ -66,8 +66,8 @@ struct Picture::Impl {
     model = number;
     BodyView& now = inUse();
     shot.body = &now;
-    // If the bodies have the same place and size, keep the user's view: only the material may
-    // differ.
+    // If the bodies have the same place and size, keep the user's view: probably only their
+    // materials differ.
     if (before && isFramedWith(*before, now.sphere())) return;
     if (before) return frameAll();
     const Viewport all = panels.view();

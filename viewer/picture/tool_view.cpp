@@ -18,7 +18,7 @@ constexpr double point_radius = 0.022, shortest_arrow = 0.015;
 constexpr double arrow_radius = 0.011, head_radius = 0.030, head_length = 0.085, dash = 0.05,
                  skin_dash = 0.04;
 constexpr double anchor_radius = 0.010, handle_length = 0.75, handle_radius = 0.014;
-// These are in radii of the tool.
+// Sizes in radii of the tool.
 constexpr double disc_height = 0.22, finger_length = 2.2;
 constexpr double hidden_opacity = 0.30, see_through_opacity = 0.35;
 

@@ -26,7 +26,7 @@ class Window {
   /// Returns the keys (GLFW_KEY_*) whose presses the last poll() processed, in order, even if they
   /// were held only briefly.
   const std::vector<int>& keys() const { return keys_; }
-  /// Returns the same keys, and the repeats of keys that are held down.
+  /// Returns what keys() returns, and in addition the repeats of keys that are held down.
   const std::vector<int>& strokes() const { return strokes_; }
   void swap();  ///< shows the frame that was drawn
 

@@ -22,7 +22,8 @@ struct BuildCost {
   /// Expected share of the lattice points that are reached; the others fail or lie beyond
   /// max_force.
   double reached = 1;
-  /// Distance from rest, m, that at least half of the paths reached, in whole lattice spacings.
+  /// Largest distance from rest, m, at which at least half of the lattice points are reached: a
+  /// multiple of the spacing, or the radius.
   double usual_reach = 0;
 };
 

@@ -60,8 +60,8 @@ void warnOfPaths(SceneReport& report) {
   const Workspace& workspace = report.problem->scene.workspace;
   report.warnings.push_back(fmt::format(
       "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; of "
-      "{} trial paths from rest, {} exceed workspace.max_force = {:.4g} N and {} cannot be solved, "
-      "half of them before {:.3g} m; make the radius smaller",
+      "{} trial paths from rest, {} exceed workspace.max_force = {:.4g} N and {} cannot be solved; "
+      "most points at {:.3g} m from rest are not reached: make the radius smaller",
       workspace.radius, 100 * report.cost.reached, paths.size(), ended(PathEnd::max_force),
       workspace.max_force, ended(PathEnd::failed), report.cost.usual_reach + workspace.spacing));
 }

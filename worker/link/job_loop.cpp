@@ -39,7 +39,7 @@ class ProblemSolver {
       const wire::Target& target = job.targets(n);
       if (!mailbox.begin(job.id(), target.point())) return;
       const int transitions = static_cast<int>(std::max(1U, target.steps()));
-      // A failed transition ends the path without a rescue, because the scheduler's plan decides
+      // A failed transition ends the path (Rescue::none), because the scheduler's plan decides
       // which targets are tried again, and from which start.
       const Outcome outcome =
           start ? walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)

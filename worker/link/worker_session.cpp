@@ -325,8 +325,8 @@ bool WorkerSession::solverHangs(Time now) {
   const auto limit = progress.hung_after;
   if (!progress.heartbeat.solving() || limit.count() == 0 || now - begun_at_ <= limit) return false;
   spdlog::error(
-      "the solver hangs: {} s on one solve, above the limit of {} s; this worker ends, and its "
-      "solves go to others",
+      "the solver hangs: {} s on one solve, above the limit of {} s; this worker ends, and other "
+      "workers get its solves",
       std::chrono::duration_cast<std::chrono::seconds>(now - begun_at_).count(), limit.count());
   return true;
 }

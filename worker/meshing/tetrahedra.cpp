@@ -245,7 +245,8 @@ std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surfac
   }
   if (std::abs(change) > told_volume)
     made.notes.push_back(
-        fmt::format("the mesh has {:.2g} % {} volume than the surface; more nodes follow it better",
+        fmt::format("the mesh has {:.2g} % {} volume than the surface; with more nodes the "
+                    "difference is smaller",
                     100 * std::abs(change), change < 0 ? "less" : "more"));
   made.msh = std::move(attempt.msh);
   return made;

@@ -14,8 +14,8 @@ inline auto ofNode(auto& rows, std::size_t node) { return Eigen::Vector3d::Map(&
 /// weighted mean of the displacements of its nodes (weighted tool).
 struct Tool {
   std::vector<std::int32_t> nodes;
-  /// One weight per node; the weights add up to 1. The tool prescribes sum(w_i u_i) = p + the value
-  /// of that sum at rest. Empty for a rigid tool.
+  /// One weight per node; the weights add up to 1. The tool prescribes that the sum of w_i u_i
+  /// exceeds its value at rest by p. Empty for a rigid tool.
   std::vector<double> weights;
 };
 

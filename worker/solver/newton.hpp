@@ -10,20 +10,21 @@ struct NewtonOptions {
   int max_iterations = 40;
   int max_factorizations = 6;
   int max_halvings = 6;  ///< number of halvings of a step by the line search
-  /// Factorises a new tangent in each iteration. Use it for bodies whose stiffness jumps: Broyden's
-  /// updates of an old tangent help little there.
+  /// Whether each iteration factorises a new tangent. Use it for bodies whose stiffness jumps:
+  /// Broyden's updates of an old tangent help little there.
   bool renew_always = false;
-  /// Begins with the factors that the solver holds. They must be of a tangent near the start, with
-  /// the border of the current tool (TangentSolver::useFactorsWith).
+  /// Whether to begin with the factors that the solver holds. They must be of a tangent near the
+  /// start, with the border of the current tool (TangentSolver::useFactorsWith).
   bool begin_with_old_factors = false;
-  /// Also accepts a step if the next correction with the same tangent is smaller (natural
-  /// monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). Needed for bodies
-  /// with a nearly rigid part, whose rotation increases the residual.
+  /// Whether to accept also a step after which the next correction with the same tangent is smaller
+  /// (natural monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004). Needed
+  /// for bodies with a nearly rigid part, whose rotation increases the residual.
   bool affine_descent = false;
-  /// After a full step (unless renew_always), the same tangent is used again if the step multiplied
-  /// the residual norm by at most this factor ...
+  /// Unless renew_always, the same tangent is used again after a full step that multiplied the
+  /// residual norm by at most this factor.
   double slow_contraction = 0.5;
-  /// ... or if, at that rate of convergence, at most this many iterations are left.
+  /// The same tangent is also used again if convergence at the rate of the last step needs at most
+  /// this many more iterations.
   int iterations_worth_a_tangent = 8;
   /// Newton has converged when the residual norm is at most absolute * (System::forceScale() +
   /// totalLoad()) + relative * |force on the tool|. The relative error of the force is then about
