@@ -103,8 +103,8 @@ void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) 
         counted(coordinator.disputedCount(), "result"));
   if (coordinator.asideCount() > 0)
     tellOrLog(
-        "not sealed: workers died on {}; everything else is computed (see above, and palpate status "
-        "{}). After you remove the reason, run palpate retry {} and the same command again.",
+        "not sealed: workers died on {}; everything else is computed (see above, and palpate "
+        "status {}). After you remove the reason, run palpate retry {} and the same command again.",
         counted(coordinator.asideCount(), "transition"), shellWord(state), shellWord(state));
 }
 

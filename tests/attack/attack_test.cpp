@@ -250,7 +250,7 @@ TEST_F(AttackTest, WorkersThatHoardWork) {
 }
 
 TEST_F(AttackTest, EndlessHellos) {
-  // Whether enough arrive to close the connection depends on the machine.
+  // On some machines, so many Hellos arrive that the connection is closed.
   std::atomic<std::int64_t> answers = 0;
   withstand("hellos", {}, [&](zmq::context_t& context, test::Fortress& target) {
     auto enemy = loner(context, target, "hello");

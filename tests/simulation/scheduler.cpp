@@ -173,7 +173,7 @@ void SchedulerProcess::askToStop(Seconds now) {
 }
 
 std::optional<Incoming> SchedulerProcess::receive() {
-  // A process that was killed in between reads nothing.
+  // A process that was killed since the last call reads nothing.
   if (disk_.dead()) return std::nullopt;
   auto incoming = inbox_.next([&] { return network_.forScheduler(now_); });
   if (incoming && incoming->message.has_result())

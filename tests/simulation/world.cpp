@@ -262,7 +262,7 @@ class World {
   }
 
   void checkTables(const std::filesystem::path& directory) {
-    // Partly created or partly on disk: the next start repairs them.
+    // Skip tables that may be created or stored only in part: the next start repairs them.
     if (ledger_.tables_hurt || !tables_made_) return;
     try {
       StoredTables tables(directory);
@@ -348,7 +348,7 @@ class World {
            std::ranges::all_of(scheduler_.coordinator().plans(), &SpacePlan::complete);
   }
 
-  /// All readers must be gone before that.
+  /// Returns whether the next accident removes files. All readers must have ended before that.
   bool filesAreTakenNext() const {
     if (next_event_ == history_.size()) return false;
     const Accident next = history_[next_event_].accident;
@@ -459,7 +459,7 @@ class World {
 
   void happenToScheduler(const Event& event) {
     const Seconds until = event.at + event.length;
-    // Sometimes in the middle of the next writes, sometimes while it waits.
+    // Some kills come in the middle of the next writes, others while the scheduler waits.
     const int changes = static_cast<int>(event.how_much * most_changes);
     switch (event.accident) {
       case Accident::power_cut: power_is_cut_ = true; [[fallthrough]];

@@ -212,10 +212,10 @@ TEST_F(AccidentTest, DamageFoundDuringTheRunIsRepairedBeforeSealing) {
   auto worker = work(endpoint);
   ASSERT_TRUE(journalGrows(*scheduler, "served", 20000));
   worker->stop(SIGKILL);
-  // Most likely in payloads, which are not read before the end.
+  // These bytes are most likely in payloads, which are not read before the end.
   for (const std::uintmax_t byte : {3000u, 9000u, 15000u}) flipInJournal("served", byte);
   auto supervised = start("palpate-worker", {"work", "--connect", endpoint});
-  // It restarts on the same port with the rest of the journal.
+  // The scheduler restarts by itself, on the same port, with the rest of the journal.
   const int code = scheduler->wait();
   EXPECT_TRUE(code == 0 || code == 3) << code << scheduler->output();
   EXPECT_THAT(scheduler->output(), HasSubstr("it is dropped, and its result computed again"));

@@ -143,7 +143,8 @@ TEST_F(SystemTest, ChildProcessesInheritAWorkersLogLevel) {
   EXPECT_THAT(quiet->output(), testing::Not(HasSubstr(" info ")));
 }
 
-/// Only the child connects. With nobody there, it logs as a detail that messages are not accepted.
+/// Only the child process connects. Without a scheduler, it logs as a detail that messages are not
+/// accepted.
 TEST_F(SystemTest, ChildProcessesLogTheDetailsThatAWorkerIsAskedFor) {
   auto worker = start("palpate-worker", {"work", "--connect", "ipc://nobody.ipc", "-j", "1", "-v"});
   EXPECT_TRUE(test::says(*worker, " debug ")) << worker->output();
@@ -173,7 +174,8 @@ TEST_F(SystemTest, ASecondSchedulerIsRefusedTheSocketOfTheFirst) {
   EXPECT_EQ(worker->wait(), 0) << worker->output();
 }
 
-/// The file `endpoint` leads to another scheduler, which now has the address.
+/// The file `endpoint` in the state directory names an address at which another scheduler now
+/// listens.
 TEST_F(SystemTest, AnotherBuildsSchedulerAtTheSameAddressIsNotMistaken) {
   std::filesystem::create_directory(directory / "other");
   writeScene(directory / "other", 2000);
@@ -205,7 +207,7 @@ TEST_F(SystemTest, AnInterruptedBuildResumes) {
 }
 
 TEST_F(SystemTest, SimultaneousSignalsCountAsOneAndLetWorkersFinish) {
-  // Like timeout(1): first the process, then its group.
+  // timeout(1) signals the process, and then the process with its group.
   for (const int number : {SIGTERM, SIGINT}) {
     auto build = startBuild("out.h5", "2");
     ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
@@ -247,11 +249,11 @@ TEST_F(SystemTest, AServiceManagerIsToldReadinessAndProgress) {
   EXPECT_TRUE(hears("STOPPING=1")) << all;
 }
 
-/// One worker as on a machine of 2004, one as on this machine.
+/// One worker uses the kernels of a machine of 2004, the other those of this machine.
 TEST_F(SystemTest, NewerMachinesUseCommonKernelsForTheSameBits) {
   if (cpuFamily() == CpuFamily::baseline)
     GTEST_SKIP() << "this CPU has no kernels but baseline: changing them was NOT tested";
-  // If the user has chosen kernels, workers have no others.
+  // If the user had chosen kernels, the workers would offer no others.
   unsetenv("PALPATE_KERNELS");
   unsetenv("OPENBLAS_CORETYPE");
   auto scheduler = serve("state", "out.h5", {"--kernels", "baseline"});

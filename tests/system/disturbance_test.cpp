@@ -118,7 +118,7 @@ class DisturbedBuild {
 
  private:
   void startScheduler() {
-    // Its workers know only one port.
+    // Listen on the same port after a restart, because the workers know only this port.
     const std::string listen = endpoint_.empty() ? "tcp://127.0.0.1:*" : endpoint_;
     scheduler_ =
         std::make_unique<Process>("palpate-scheduler",
@@ -131,7 +131,7 @@ class DisturbedBuild {
     scheduler_.reset();
     finished_ = code == 0 || code == 3;
     if (finished_ || (code == 128 + SIGKILL && scheduler_killed_)) return;
-    // By chance, five workers may have been killed at one transition.
+    // By chance, five workers may have been killed during one transition, which is then set aside.
     if (code == 1 && output.find("set aside") != std::string::npos) {
       ++retried_;
       tell("retry");
@@ -145,7 +145,8 @@ class DisturbedBuild {
   void supervisorEnded(int code) {
     const std::string output = workers_->output();
     workers_.reset();
-    // 0: the scheduler had just completed. It also gives up when too many workers were killed.
+    // The code is 0 if the scheduler had just completed. The supervisor also gives up when too many
+    // workers were killed.
     if ((code == 128 + SIGKILL && workers_killed_) || code == 0 ||
         output.find("right after its start") != std::string::npos)
       return;

@@ -81,8 +81,8 @@ class LiveTest : public ::testing::Test {
     const auto force = nlohmann::json::parse(done.output.substr(done.output.find('{'))).at("force");
     return {force[0].get<double>(), force[1].get<double>(), force[2].get<double>()};
   }
-  /// Most of the time of touching, after some tenths of a second, the follower leads, and its
-  /// forces are those of the solver.
+  /// Expects that, after the first `after` seconds of touching, most forces come from the follower
+  /// and equal those of the solver.
   static void expectFollowed(const Run& run, const char* scene = "cube.toml", double after = 0.5) {
     std::vector<std::size_t> late;
     for (std::size_t n = 0; n < run.time.size(); ++n)
@@ -133,7 +133,7 @@ TEST_F(LiveTest, ASceneIsBuiltWhileItIsTouched) {
     EXPECT_EQ(build.wait(), 0) << build.output();
   }
   EXPECT_TRUE(contentOf(*directory_ / "beside.h5") == contentOf(*directory_ / "whole.h5"));
-  // A complete one is only announced.
+  // If the dataset is complete already, the client only says so.
   EXPECT_THAT(touched("2"), HasSubstr("beside.h5 is complete"));
 }
 

@@ -310,7 +310,7 @@ TEST_F(DiskTest, AFullDiskEndsTheBuildWhichResumesWhenThereIsRoom) {
   ASSERT_EQ(disk.format(), "");
   ASSERT_EQ(disk.mounted(), "");
   const std::filesystem::path filler = disk.root() / "filler";
-  // Too little for the tables, the journal, or the dataset.
+  // The free space is too small for the tables, the journal, or the dataset.
   for (const std::uintmax_t room : {20u << 10, 60u << 10, 200u << 10, 400u << 10}) {
     SCOPED_TRACE(std::to_string(room) + " bytes are free");
     test::runCommand("dd if=/dev/zero bs=4k of='" + filler.string() + "'");

@@ -79,8 +79,8 @@ TEST_F(ReportPageTest, ShowsEveryFigureOfActiveNodes) {
   EXPECT_THAT(sectionsOf(browser),
               testing::ElementsAre("frontier", "ways", "loops", "bounds", "nodes", "organ", "maps",
                                    "curves", "failures", "sizes", "provenance"));
-  // Speed, two figures of errors along the way, loops, nodes, two maps of the organ; and slices,
-  // axes and ways of both active nodes.
+  // The page has figures of speed, errors along the way (two), loops, nodes and maps of the organ
+  // (two), and for each of the two active nodes slices, axes and ways.
   EXPECT_EQ(browser.valueOf("document.querySelectorAll('figure').length"), 7 + 2 * 3);
   EXPECT_EQ(browser.valueOf("document.getElementById('other')"), nullptr) << "names are escaped";
   EXPECT_THAT(browser.valueOf("saved[0].name").get<std::string>(),
@@ -125,7 +125,8 @@ TEST_F(ReportPageTest, ShowsAFingersSurfaceWithItsProbes) {
   open(browser, "finger.h5 --methods potential");
   EXPECT_THAT(sectionsOf(browser),
               testing::ElementsAre("areas", "curves", "failures", "sizes", "provenance"));
-  // Two maps, bounds over the displacement, errors at probes, ways to sites and to probes.
+  // The page has two maps, and figures of the bounds over the displacement, the errors at probes,
+  // the ways to sites and the ways to probes.
   EXPECT_EQ(browser.valueOf("document.querySelectorAll('figure').length"), 6);
   EXPECT_GE(browser.valueOf("document.querySelectorAll('#figure-1 .panel circle').length"), 8);
 }
@@ -143,7 +144,8 @@ TEST_F(ReportPageTest, ShowsTwoDatasetsSideBySide) {
   EXPECT_EQ(browser.valueOf("document.querySelectorAll('tr.differs').length"), 1) << "material";
 }
 
-// Regression: it showed the errors of every 2nd point, a lattice of 18, as if they were its own.
+// Regression: the first figure showed the errors of a lattice of every 2nd point as if they were
+// those of the dataset.
 TEST_F(ReportPageTest, FirstFigureShowsNoErrorsOfAThinnedLattice) {
   test::SampleDataset sample;
   sample.seal(directory / "bare.h5");

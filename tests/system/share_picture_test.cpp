@@ -67,7 +67,7 @@ struct SharePictureTest : test::SharedPage {
     browser.mouse("mousePressed", x, y);
     settle(browser);
   }
-  /// The numbers belong to the latest answer.
+  /// Returns whether the page soon shows the numbers of the latest answer.
   static bool isWritten(test::Browser& browser) {
     return browser.becomesTrue(
         "document.getElementById('about').textContent === "
@@ -127,7 +127,7 @@ TEST_F(SharePictureTest, AForceTurnsAmberWhenAHandCouldNoticeItsError) {
                                             100 * share(), 100 * noticeable_force_error));
 }
 
-/// Below a force that a hand feels, it notices no error.
+/// A hand does not notice an error that is smaller than the smallest force that it feels.
 TEST_F(SharePictureTest, AnErrorThatAHandDoesNotFeelIsNotUncertain) {
   if (!makePage(test::FingerBody())) return;
   test::Browser browser;

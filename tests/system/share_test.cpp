@@ -100,7 +100,7 @@ TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
   EXPECT_TRUE(browser.becomesTrue("palpate.touched === null"));
 }
 
-/// Regression: it stopped earlier if a sixtieth of the reach is not a round number.
+/// Regression: the slider stopped earlier if a sixtieth of the reach was not a round number.
 TEST_F(ShareTest, TheSliderComesToTheDeepestPress) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
   if (!makePage(test::TouchableBody(mesh, test::wholeSurface(mesh), 0.05, 0.025))) return;

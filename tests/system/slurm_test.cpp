@@ -289,7 +289,7 @@ TEST_F(SlurmFaultsTest, ANodeWithoutALibraryIsExcludedAndTheOtherBuilds) {
   const int before = jobsThatWere();
   EXPECT_EQ(std::string::npos, jobs().find("there")) << jobs();
 
-  // It ends with running and waiting workers while nobody supervises them.
+  // The build ends while workers are running and waiting, and no fleet supervises them.
   all->stop(SIGKILL);
   std::ofstream(go).close();
   expectFinished(*scheduler);

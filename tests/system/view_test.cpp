@@ -225,7 +225,7 @@ TEST_F(ViewTest, FeelsReloadedDatasets) {
   ASSERT_TRUE(test::says(*run, "virtual hand at"));
   seal(4);
   test::Person person(screen.name(), "Palpate");
-  // Reloading uses processors that nothing else needs, and other tests run here.
+  // Reloading runs at the lowest priority, so other tests on this machine can delay it for minutes.
   const std::chrono::minutes limit(5);
   const auto again = [&] {
     person.press("F5");  // a window ignores keys before its first frame

@@ -342,7 +342,7 @@ TEST_F(SealedDataset, NamesTheDamagedTable) {
   expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/points/energy", "blake2b"});
 }
 
-// A sealed file is read before it is renamed: the reader refuses this one.
+// sealDataset() reads the new file before it is renamed, and the reader refuses it.
 TEST_F(SealedDataset, IsRefusedIfInterpolatingItsNumbersOverflows) {
   const auto refused = [&](auto&& forge) {
     SampleDataset forged = sample;

@@ -69,7 +69,7 @@ TEST(LocalFits, GiveTheSameResultForCachedAndForgottenSources) {
     return fits.extrapolate(around.sources, 6, 5).derivatives;
   };
   const auto of_often = of(often), of_once = of(once);
-  // Each has about 7600 numbers; 200 of them exceed twice the size of the cache.
+  // Each factorisation has about 7600 numbers, so 200 of them exceed the size of the cache.
   for (unsigned seed = 2; seed < 200; ++seed) {
     of(SourcesAround(seed));
     if (seed % 40 == 0) {

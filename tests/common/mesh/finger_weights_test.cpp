@@ -44,7 +44,7 @@ class Fingers : public ::testing::TestWithParam<bool> {
 };
 
 TEST_P(Fingers, GradientsAndCurvaturesAreTheDerivativesOfTheWeights) {
-  // Also beside fixed nodes, where fewer nodes share the weight.
+  // One of the fingers is beside fixed nodes, where fewer nodes share the weight.
   fixed = mesh.node_groups.at("xmin");
   const Eigen::Vector3d beside = mesh.nodes[fixed[fixed.size() / 2]] + Eigen::Vector3d(0.02, 0, 0);
   constexpr double h = 1e-6;

@@ -59,8 +59,9 @@ TEST_F(PressureSlotsTest, ThreeMaterialsHaveThreeAtTheirSharedEdge) {
             [](const Eigen::Vector3d& X) { return X[2] > 0.5 ? (X[0] > 0.5 ? 1 : 2) : 0; });
   EXPECT_EQ(three.furtherAt(13).size(), 2u) << "the middle of the cube";
   EXPECT_EQ(three.furtherAt(0).size(), 0u);
-  // All 27 nodes have one; the 9 on top of the soft half have a second, and of these the 3 of the
-  // edge a third; the 3 nodes above the edge have a second.
+  // All 27 nodes have a slot. The 9 nodes on top of the soft half have a second one, and 3 of
+  // these, on the edge between the two other materials, a third. The 3 nodes above this edge have a
+  // second slot.
   EXPECT_EQ(three.count(), 27u + 9u + 3u + 3u);
 }
 

@@ -112,7 +112,7 @@ TEST_F(EventLogTest, AMissingOrUnwritableLogStopsNothing) {
 }
 
 TEST_F(EventLogTest, AFullDiskLosesEventsAndCountsThem) {
-  // Visible to this process only.
+  // Mount a small file system over the directory, visible to this process only.
   if (unshare(CLONE_NEWNS) != 0 ||
       mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
       mount("events", directory.path().c_str(), "tmpfs", 0, "size=64k") != 0)
@@ -128,7 +128,7 @@ TEST_F(EventLogTest, AFullDiskLosesEventsAndCountsThem) {
       log.add(numbered(n));
       log.flush();
     }
-    // The page that the file already had is completely used.
+    // The last page of the event file is completely used, so the next line needs a new page.
     EXPECT_EQ(std::filesystem::file_size(file(1)) % 4096, 0u);
     std::filesystem::remove(directory / "others");
     log.add(numbered(last));

@@ -67,7 +67,8 @@ TEST_F(LaunchesTest, SimultaneousFailuresLengthenTheDelayOnce) {
 TEST_F(LaunchesTest, ContinueWhenALaterOneSurvives) {
   fail(Launches::most_in_a_row, "a");
   running = {{"old", "b", 50s}};
-  // That does not show that new launches would survive; this is the only node that fails.
+  // An old job that still runs does not show that new launches would survive. Node "a" is the only
+  // one that fails.
   EXPECT_THAT(see().left_out, ElementsAre("a"));
 
   Launches all_fail{10s};

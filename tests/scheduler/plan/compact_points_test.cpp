@@ -163,7 +163,7 @@ TEST(CompactPoints, KeepAttemptsInOrder) {
   EXPECT_EQ(points.added().attempts, 2);
 }
 
-/// So many that they need several blocks of memory.
+/// The points are so many that they need several pages of memory.
 TEST(CompactPoints, StayDistinctInAnyNumber) {
   constexpr std::int32_t uniform = 8192, all = 12290;
   CompactPoints points(uniform);

@@ -215,7 +215,7 @@ class BumpyEnergy : public test::AnalyticEnergy {
 };
 
 Outcome bumpy(const SpacePlan& plan, const Transition& transition) {
-  // It fails from some parents, so that attempts matter too.
+  // The solve fails from some parents, so that attempts matter too.
   if ((transition.target * 31 + transition.parent * 17) % 11 == 0 && transition.target != 0)
     return failed();
   return equilibriumOf(BumpyEnergy(), plan.positions().displacement(transition.target));

@@ -67,7 +67,7 @@ TEST_F(CoordinatorTest, NamesTheStartOfLaterJobsAndServesItsFields) {
   EXPECT_TRUE(world.inbox["a"][1].message.fields_reply().unknown());
 }
 
-/// Each start is copied in memory until its peer reads it.
+/// The scheduler's memory holds a copy of each sent start until the peer reads it.
 TEST_F(CoordinatorTest, SendsNoStartsWhileTooManyAreUnread) {
   CoordinatorSettings settings = test::BuildWorld::withoutChecks();
   settings.unread_starts = 2 * originFields().size();
@@ -342,8 +342,8 @@ TEST_F(CoordinatorTest, ADamagedJournalLosesOnlyDamageAndEndsInTheSameBytes) {
   for (int round = 0; round < 40; ++round) {
     {
       std::fstream file(segment, std::ios::binary | std::ios::in | std::ios::out);
-      // Early records too: targets that follow from the origin are only handed out after its
-      // result.
+      // Damage early records too: the targets that start at the origin are handed out only after
+      // its result.
       const auto byte = round == 0 ? 100 : random() % size;
       file.seekp(static_cast<std::streamoff>(byte));
       file.write("damage", 6);

@@ -53,8 +53,8 @@ TEST_F(CoordinatorTest, EndlessHellosFillNeitherTheLogNorTheTables) {
             WorkerRegistry::most_workers + Tables::most_idle_departed);
 }
 
-/// Regression: the first Hello decided. One from nonsense/42 that left at once kept every honest
-/// worker out.
+/// Regression: the kernels in the first Hello decided. A worker with the kernels nonsense/42 that
+/// left at once kept every honest worker out.
 TEST_F(CoordinatorTest, TheFirstResultSendsWorkersWithOtherKernelsAway) {
   Message other = test::helloOf("other");
   other.mutable_hello()->set_kernel_family("nonsense/42");
@@ -63,7 +63,7 @@ TEST_F(CoordinatorTest, TheFirstResultSendsWorkersWithOtherKernelsAway) {
   EXPECT_EQ(world.takeJobs("other").size(), 1u);
   solveOrigins();
   EXPECT_EQ(world.coordinator().workers(), 1u);
-  // The scheduler asks it for a Hello and explains the refusal.
+  // The scheduler asks the other worker for a Hello and then explains the refusal.
   EXPECT_EQ(world.take("other", Message::kHeartbeatReply).size(), 1u);
   world.send("other", other);
   EXPECT_EQ(world.take("other", Message::kRefused).size(), 1u);
@@ -133,7 +133,7 @@ TEST_F(CoordinatorTest, ReassignsASilentWorkersTargetAndTakesTheLateAnswer) {
   world.pass(2s);
   const auto again = world.takeJobs("b");
   ASSERT_EQ(again.size(), 2u);
-  // The worker was not dead: it is asked for its name, and its late answer comes first.
+  // The worker was not dead. The scheduler asks for its Hello, and its late result arrives first.
   world.deliver("a", lost[0]);
   world.join("a", 0);
   world.deliver("a", lost[0]);
@@ -144,7 +144,7 @@ TEST_F(CoordinatorTest, ReassignsASilentWorkersTargetAndTakesTheLateAnswer) {
   EXPECT_EQ(world.counter("duplicate_results"), 1);
 }
 
-/// For example a frozen container or a stalled disk: messages of workers wait unread.
+/// If, for example, a container is frozen or a disk stalls, messages of workers wait unread.
 TEST_F(CoordinatorTest, ASuspendedSchedulerBlamesNoWorker) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
@@ -349,7 +349,7 @@ TEST_F(SetAsideTest, AnotherWorkerReportsWhichProcessesEnded) {
     const std::string id = fmt::format("remote{}", death);
     world.join(id, 1);
     for (const wire::Job& job : world.takeJobs(id)) world.beat(id, &job);
-    // Half of them are noticed earlier by their broken connections.
+    // The scheduler notices half of the deaths earlier, by the broken connections.
     if (death % 2 == 0) world.coordinator().peerUnreachable(id, world.now);
     Message hello = test::helloOf(id + "-next");
     hello.mutable_hello()->add_ended(id);
@@ -359,8 +359,8 @@ TEST_F(SetAsideTest, AnotherWorkerReportsWhichProcessesEnded) {
   EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
 }
 
-/// Targets that it held when its connection broke do not count, and its end counts once, however
-/// often its successor reports it.
+/// The targets that a worker held when its connection broke are not blamed. The death of the worker
+/// counts once, however often its successor reports it.
 TEST_F(SetAsideTest, AReconnectedWorkersDeathCountsOnceOnItsLastTarget) {
   for (int death = 0; death < deaths_before_aside - 1; ++death) {
     const std::string id = fmt::format("remote{}", death);

@@ -88,7 +88,7 @@ TEST_F(HoarderTest, AReturningHoarderDelaysTheLastTargetsBySecondsOnly) {
   EXPECT_TRUE(world.coordinator().complete());
 }
 
-/// It holds the check of the last result.
+/// The hoarder holds the check of the last result.
 TEST_F(HoarderTest, AHoarderOfChecksDelaysTheEndByAMinuteAtMost) {
   test::BuildWorld checked(test::BuildWorld::checking(1));
   checked.join("a", 2);

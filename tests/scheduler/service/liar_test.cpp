@@ -110,7 +110,7 @@ TEST_F(LiarTest, ManyWorkersCauseNoMoreChecksThanFew) {
   world.finish(peers);
   const std::int64_t results = world.coordinator().recorded();
   EXPECT_GE(results, 2 * 257);
-  // The rule is one in a hundred, and eight odd results on top.
+  // One result in a hundred is checked, and up to eight odd results in addition.
   EXPECT_LE(world.counter("checked_results"), 0.01 * results + 10) << results;
   EXPECT_GT(world.counter("checked_results"), 0);
   EXPECT_EQ(world.counter("unchecked_results"), 0);
@@ -216,7 +216,8 @@ TEST_F(LiarTest, ChecksForASecondMachineAreNotForgotten) {
   EXPECT_EQ(fromWire(check.targets(0).point()), fromWire(first.targets(0).point()));
 }
 
-/// One process has a memory fault now and then; the others of its machine are right.
+/// One process has a memory fault now and then; the other processes of its machine give right
+/// results.
 TEST_F(LiarTest, ADisputeOnOneMachineIsSettledByItsThirdProcess) {
   LiarWorld world(test::BuildWorld::withoutChecks());
   for (const std::string peer : {"a", "b", "c"}) world.joinFrom("machine", peer);
@@ -305,7 +306,8 @@ TEST_F(LiarTest, ChecksAreNotGivenUpDuringAnOperatorsPause) {
   EXPECT_EQ(world.counter("unchecked_results"), 0);
 }
 
-/// The last checks are of its own results, and it returns before the others.
+/// The last checks are of the results of worker "a". It returns first after a restart, and the
+/// checks wait for another machine.
 TEST_F(LiarTest, ChecksWaitForWorkersThatMayReturn) {
   LiarWorld world(checking(1));
   world.joinFrom("machine-b", "b");
@@ -344,7 +346,8 @@ TEST_F(LiarTest, AKeyDoesNotCheckItselfUnderAnotherName) {
   EXPECT_TRUE(std::ranges::any_of(world.takeJobs("h"), isFirst));
 }
 
-/// While others with the first key request work, it cannot prevent them from checking each other.
+/// An idle worker with a second key cannot prevent two workers that share the first key from
+/// checking each other.
 TEST_F(LiarTest, AnIdleSecondKeyPreventsNoCheck) {
   LiarWorld world(checking(1));
   const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();

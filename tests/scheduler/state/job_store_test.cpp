@@ -208,7 +208,7 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
   }
 }
 
-/// The progress would include results that no longer exist.
+/// The stored progress would count results that no longer exist.
 TEST_F(JobStoreTest, ForgetsItsProgressWhenAResultIsDropped) {
   recordThree();
   const StateDirectory held(state);
@@ -297,7 +297,7 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"database of another program"});
 }
 
-/// After a power cut that left only the first page on disk.
+/// A power cut has left only the first page of the database on disk.
 TEST_F(JobStoreTest, CreatesItsTablesInAnEmptyDatabaseWhateverItsHeader) {
   recordThree();
   const std::filesystem::path file = StateDirectory::databaseIn(state);
@@ -437,8 +437,8 @@ TEST(StateDirectory, KnowsNetworkFileSystems) {
   EXPECT_EQ(networkFileSystem(0xEF53), nullptr);
 }
 
-/// Dies right after an unsynced append, and right after a commit that nobody was told of. Committed
-/// records are there; appended ones are complete or absent.
+/// The child commits one result, appends another without a sync, and is killed before either is
+/// acknowledged. The committed record survives.
 TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   test::TemporaryDirectory directory;
   const Problem problem = test::cubeProblem();

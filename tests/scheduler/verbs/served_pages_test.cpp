@@ -34,7 +34,7 @@ std::string answerOf(const Problem& problem, const std::string& path) {
   return answer.get();
 }
 
-/// Regression: with ten million points that took 11 GB in the scheduler's process.
+/// Regression: explaining a point of ten million took 11 GB in the scheduler's process.
 TEST(ServedPages, APointOfALargeBuildIsNotReadInTheSchedulersProcess) {
   const std::string path = "/explain.json?active=tip&i=1&j=0&k=-2";
   EXPECT_THAT(

@@ -32,7 +32,7 @@ TEST(StatusText, WritesDurationsForPeople) {
   EXPECT_EQ(durationText(12000), "3 h 20 min");
 }
 
-/// Regression: it was longer than a row of the terminal, so every update began a new row.
+/// Regression: the line was longer than a row of the terminal, so every update began a new row.
 TEST(ProgressLine, FitsTerminalsOfAnyWidth) {
   for (std::size_t columns = 1; columns <= 200; ++columns)
     EXPECT_LT(progressBar(bigBuild(), columns).size(), std::max<std::size_t>(columns, 2))
@@ -73,7 +73,7 @@ TEST(Describe, GroupsManyWorkersByMachine) {
                                                HasSubstr("tip -2"), Not(HasSubstr("worker 0"))));
 }
 
-/// Regression: it showed "0 s left" while branches were being resolved.
+/// Regression: the line showed "0 s left" while points of the stage branches were being solved.
 TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
   wire::Status status = bigBuild();
   status.mutable_spaces(0)->set_unknown(0);

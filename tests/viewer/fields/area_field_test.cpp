@@ -97,7 +97,8 @@ TEST_F(AreaFieldTest, ForcesAreThoseOfTheEnergyBetweenSites) {
   EXPECT_LT(worst_drive, 0.03);
 }
 
-/// Like the rest state of a body whose slack fibres carry no load: a jump over a tiny step.
+/// The third derivatives at rest are a jump divided by a tiny step, as in a body whose fibres
+/// become taut there.
 TEST_F(AreaFieldTest, ContradictoryThirdDerivativesDoNoHarm) {
   std::vector<SpaceTable> jumping = *spaces;
   for (SpaceTable& site : jumping) {

@@ -60,7 +60,7 @@ TEST(PressureField, IsTheStoredPressureAtEveryLatticePointToTheLastBit) {
 TEST(PressureField, InterpolatesAsTheDisplacementField) {
   for (const SpaceTable& space : {holedSpace(), refinedSpace(0.005), test::branchedSpace()}) {
     const std::vector<float> rows = rowsOf(space);
-    // So large as metres that no mode is left out.
+    // Taken as metres, the numbers are so large that no mode is left out.
     std::vector<float> displacements;
     for (const float pressure : rows) displacements.insert(displacements.end(), 3, pressure);
     const PressureField field(space, rows);

@@ -192,7 +192,7 @@ TEST_F(AreaContact, TheGuardBoundsForceAndEnergyAtAHoleAndAFold) {
     ForceGuard guard(options);
     const auto placeAt = [&](int tick) -> Eigen::Vector3d {
       const double t = tick / 4000.0;
-      // It approaches from above and returns there.
+      // The tool comes from above and goes back up.
       return Eigen::Vector3d(0.05, 0.05, 0.1 + 0.05 * std::abs(1 - 2 * t)) + loop.at(t);
     };
     Eigen::Vector3d before = Eigen::Vector3d::Zero();

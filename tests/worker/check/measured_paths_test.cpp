@@ -26,7 +26,7 @@ Problem touchedCube() {
 }
 
 TEST(MeasuredPaths, OfAFingerOnlyPushAndNoneIsEmpty) {
-  // These transitions are the whole first 13 paths.
+  // The 50 transitions are those of the first 13 paths; the last of these paths is cut short.
   const MeasuredPaths found = measurePaths(touchedCube(), {.seconds = 1e9, .transitions = 50});
   EXPECT_EQ(found.paths.size(), 13u);
   for (const Path& path : found.paths) {

@@ -234,7 +234,7 @@ TEST_F(WorkerSessionTest, RestartsWithTheKernelsOfTheBuildIfItHasThem) {
   test::expectError(ExitCode::failed, [&] { hear(message); }, {"avx512", "does not offer"});
 }
 
-/// It leaves after a minute without work.
+/// A worker that leaves after a minute without work.
 struct LeavingWorkerTest : WorkerSessionTest {
   LeavingWorkerTest() : WorkerSessionTest(60) {}
 };
