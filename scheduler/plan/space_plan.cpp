@@ -276,8 +276,8 @@ void SpacePlan::beginBranches() {
     if (points_.tag(parent) == Tag::expandable && !isRecorded({target, parent}))
       retries[target].push_back(parent);
   };
-  // Either end may lie on the branch of higher energy. Only solving from each end to the other
-  // tells which.
+  // Either end may lie on the branch of higher energy. Only solving each end from the other one
+  // tells which end it is.
   const auto equilibriumOf = [this](std::int32_t n) {
     return isSolved(points_.tag(n)) ? &points_.equilibrium(n) : nullptr;
   };

@@ -30,7 +30,7 @@ struct CheckStateTest : test::SmallBuild {
 TEST_F(CheckStateTest, ReportsDamageByExitCodeAndRepairsItForTheBuild) {
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 50000));
-  // Otherwise the build might end before the second check on a busy machine.
+  // Stop the build, which might otherwise end before the second check on a busy machine.
   build->signal(SIGSTOP);
   EXPECT_THAT(check("out.h5.state", 0), HasSubstr("is writing there"));
   EXPECT_THAT(check("out.h5.state --repair", 1), HasSubstr("is in use by process"));

@@ -33,7 +33,7 @@ TEST_F(ClockTest, ClocksThatAreDaysApartGiveTheSameDataset) {
   const std::string endpoint = endpointIn("state");
   auto behind = startAt("-3d", "palpate-worker", {"work", "--connect", endpoint});
   auto ahead = startAt("+3d", "palpate-worker", {"work", "--connect", endpoint});
-  // Killed, and started again with a clock behind that of the last run.
+  // The scheduler is killed, and started again with a clock behind that of its last run.
   ASSERT_TRUE(journalGrows(*scheduler, "state", 5000)) << scheduler->output();
   scheduler->stop(SIGKILL);
   scheduler =

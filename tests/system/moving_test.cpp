@@ -15,7 +15,8 @@ struct MovingTest : test::SmallBuild {
   std::unique_ptr<Process> serve(const std::string& state, const std::string& keys) {
     return SmallBuild::serve(state, "out.h5", {"--keys", keys});
   }
-  /// At first a copy contains the address of the original.
+  /// Waits until the scheduler listens, because a copied directory still contains the address of
+  /// the original.
   std::string endpointOf(Process& scheduler, const std::string& state) const {
     EXPECT_TRUE(test::eventually([&] {
       return !scheduler.running() || scheduler.output().find("listening on") != std::string::npos;

@@ -26,7 +26,7 @@ bool isInstalled(const char* program) {
 struct PagesTest : test::SmallBuild {
   std::unique_ptr<test::Process> scheduler, work;
 
-  /// Large enough to take a while.
+  /// The body is large enough that the build takes a while.
   PagesTest() : SmallBuild(8) {}
 
   void begin(const std::vector<std::string>& options) {
@@ -47,7 +47,7 @@ struct PagesTest : test::SmallBuild {
   json statusNow() const {
     return json::parse(test::bodyOf(test::httpGet(portOf("dashboard"), "/status.json")));
   }
-  /// Some points are solved, and nothing changes any more.
+  /// Pauses the build when some points are solved. Returns the status, which no longer changes.
   json pausedOnTheWay() const {
     EXPECT_TRUE(journalGrows(*scheduler, "state", 100'000));
     told("pause state");

@@ -137,7 +137,7 @@ struct SlurmTest : test::SmallBuild {
   }
 };
 
-/// The faults do not depend on what is built.
+/// Tests of faults that do not depend on the scene, so the build is small.
 struct SlurmFaultsTest : SlurmTest {
   SlurmFaultsTest() : SlurmTest(6) {}
 
@@ -173,7 +173,7 @@ TEST_F(SlurmTest, ABuildEndsDespiteALostNodeAndExpiredJobs) {
   ASSERT_TRUE(journalGrows(*scheduler, "state", 20000)) << "the other node works on";
   ASSERT_EQ(test::runCommand("ip link set here up").exit_code, 0);
 
-  // However fast this machine is, the jobs' time limit ends while they solve.
+  // Pause the build, so that the time limit of the jobs ends during the build on any machine.
   told("pause state");
   std::this_thread::sleep_until(begun + std::chrono::seconds(35));
   told("resume state");
@@ -260,7 +260,7 @@ TEST_F(SlurmFaultsTest, JobsThatDieAtOnceAreTriedOneByOneUntilOneLives) {
   EXPECT_THAT(all->output(), testing::AllOf(HasSubstr("(exit code 127)"), HasSubstr("_1 on "),
                                             HasSubstr("ends with: "),
                                             HasSubstr("cannot open shared object file")));
-  // Eight, up to four replacements for failed ones, and one trial.
+  // There are at most eight jobs, four replacements for failed ones, and one trial.
   EXPECT_LE(jobsThatWere(), 13);
   std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate-worker", directory / "mended");
   std::filesystem::rename(directory / "mended", worker);

@@ -29,7 +29,7 @@ TEST(Doctor, MeasuresHowLateTheTimerWakes) {
   EXPECT_THAT(findingOf("timer").found, HasSubstr("us in 1000 sleeps"));
 }
 
-/// Regression: it tried 1 and advised 80, but the loop's watchdog requests 81.
+/// Regression: the doctor tried priority 1 and advised 80, but the loop's watchdog requests 81.
 TEST(Doctor, TriesAndAdvisesTheHighestPriorityThatTheLoopAsksFor) {
   const Finding finding = findingOf("real-time priority");
   EXPECT_THAT(finding.found, HasSubstr("SCHED_FIFO 81 is "));

@@ -166,7 +166,8 @@ TEST_F(MeshCommand, ProposesNoOtherFingerForAReportedPatch) {
               AllOf(HasSubstr("around a thin lobe"), Not(HasSubstr("another finger"))));
 }
 
-/// Otherwise a scene would fix another part than the group that the user named "fixed".
+/// Without this note, users would not see why the scene fixes another part than their group
+/// "fixed".
 TEST_F(MeshCommand, NamesGroupsWithoutElementsInANewScene) {
   Mesh box = test::boxMesh({0.12, 0.08, 0.06}, {4, 3, 2});
   box.node_groups["fixed"] = {};

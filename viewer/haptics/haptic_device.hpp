@@ -46,8 +46,8 @@ inline Eigen::Vector3d nowhere() noexcept {
 /// Position of the tool, set by the mouse in the window.
 struct MouseTarget {
   Eigen::Vector3d position = nowhere();  ///< m, scene frame; not finite: no tool
-  /// Number of times that the tool appeared. If the number changed, the tool was absent in between,
-  /// and it jumps to the position.
+  /// Number of times that the tool appeared. If the number has changed since the last reading, the
+  /// tool was absent meanwhile, and it jumps to the position.
   std::uint32_t appearance = 0;
 };
 

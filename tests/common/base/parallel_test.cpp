@@ -29,8 +29,8 @@ TEST(InParallel, RethrowsATasksExceptionAfterAllHaveEnded) {
                               ++ended;
                               throw std::runtime_error("three");
                             }
-                            // Otherwise the other thread would finish all tasks before this one has
-                            // unwound.
+                            // Sleep, so that the other thread does not finish all tasks before this
+                            // one has unwound.
                             if (n > 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
                             ++ended;
                           }),

@@ -99,7 +99,7 @@ TEST(Bundle, LosesOnlyUnreadableMessages) {
   EXPECT_EQ(parts[2].message.request().credit(), 4u);
 }
 
-/// Such a peer would be served a thousand times for each turn of the others.
+/// A peer with such bundles would be served a thousand times for each turn of the other peers.
 TEST(Bundle, WithTooManyMessagesIsNeitherMadeNorRead) {
   Bundler bundler;
   wire::Message message;

@@ -176,7 +176,7 @@ class Fleet : private Transport {
         std::ranges::all_of(coordinator().plans(), &SpacePlan::complete))
       measured_.until_solved = busy_until_ - began_;
     next_turn_ = never;
-    // It checks the clock with a millisecond's accuracy, like a polled socket.
+    // The scheduler wakes at deadlines with the accuracy of a polled socket, a millisecond.
     planTurn(inbox_.empty() ? std::max(busy_until_ + 1e-3, deadline) : busy_until_);
   }
 

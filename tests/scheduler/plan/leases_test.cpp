@@ -107,7 +107,7 @@ TEST_F(LeasesTest, ATargetLostTwiceIsHandedOutAlone) {
     EXPECT_EQ(handOut(worker).targets.size(), 2u);
     die(worker, way(0, 2, 0));
   }
-  // Target 1 was next in order at both deaths; target 2 was named.
+  // At both deaths, target 1 was next in order, and target 2 was named by the last heartbeat.
   EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(1));
   EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(2));
   EXPECT_THAT(targetsOf(handOut("c")), ElementsAre(3));
@@ -170,7 +170,7 @@ TEST_F(LeasesTest, AFatalTargetWithoutHeartbeatIsFoundOnceItIsAlone) {
   EXPECT_EQ(deaths, losses_before_alone + deaths_before_aside);
 }
 
-/// A worker that never received its first job dies on its second.
+/// A worker that never received its first job dies on its second job.
 TEST_F(LeasesTest, OneLostWorkerCountsAsOneDeath) {
   leases.add(way(0, 1, 0), {.attempts = 9, .suspected = 9, .deaths = deaths_before_aside - 1});
   leases.add(way(0, 2, 1), {.attempts = 9, .suspected = 0, .deaths = deaths_before_aside - 2});

@@ -75,8 +75,9 @@ ContentId honestContent() {
 }
 
 struct LiarTest : testing::Test {
-  /// "b" tells this lie in its nth result, from 0, but not when it checks another's result: that
-  /// lie is recorded nowhere, and a restarted scheduler does not know of it.
+  /// Worker "b" tells this lie in its nth result, counted from 0. It does not lie when it checks
+  /// the result of another worker, because such a lie is recorded nowhere, and a restarted
+  /// scheduler does not know of it.
   void lieOnce(LiarWorld& world, int nth, const test::Lie& lie) {
     world.falsify = [&world, lie, nth, told = 0](const std::string& peer, wire::Result& result,
                                                  std::string& payload) mutable {

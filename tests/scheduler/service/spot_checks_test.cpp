@@ -151,7 +151,8 @@ TEST_F(SpotChecksTest, AnotherMachineAndKeyAreAskedIfAvailable) {
   EXPECT_TRUE(checks.hasOtherMachine(key, two));
 }
 
-/// Otherwise a machine with occasional memory faults would end every build without a dataset.
+/// Without this rule, a machine with occasional memory faults would end every build without a
+/// dataset.
 TEST_F(SpotChecksTest, AnotherProcessSettlesADisputeIfNoOtherMachineMayJoin) {
   const Crowd two = {{"k"}, {{"k", "one"}, {"k", "two"}}};
   const Crowd three = {{"k"}, {{"k", "one"}, {"k", "two"}, {"k", "three"}}};
@@ -222,8 +223,8 @@ TEST(KeptOutBy, ExcludesAKeyAfterTwoLyingMachines) {
       << "it has no key";
 }
 
-/// Otherwise a liar with an honest helper under one key could return under other host names
-/// forever.
+/// Without this rule, a liar with an honest helper under one key could return under other host
+/// names forever.
 TEST(KeptOutBy, ExcludesAnUntrustedKeyTheFifthTime) {
   const PublicKey key = KeyPair::make().open();
   const std::string bytes(key.bytes().begin(), key.bytes().end());

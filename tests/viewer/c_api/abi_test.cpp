@@ -93,7 +93,7 @@ TEST(Abi, KeepsTheRecordedStructuresAndConstants) {
   EXPECT_THAT(linesOf(run(built).output), ElementsAreArray(lines)) << only_append;
 }
 
-// A member that is missing in abi.txt could be moved unnoticed.
+// If a member were missing in abi.txt, nobody would notice that it was moved.
 TEST(Abi, RecordsAllBytesOfEveryStructure) {
   std::string name;
   long size = 0, end = 0;

@@ -175,7 +175,8 @@ TEST(DeviceWord, UnknownWordsAreRefusedWithAListAndTheNearest) {
   expectBadInput([] { openDevice("mouse:3", {}); }, {"mouse:3"});
 }
 
-/// Before opening anything else, for example a window, whose error would hide that of the word.
+/// Programs check the word before they open anything else, for example a window, whose error would
+/// hide that of the word.
 TEST(DeviceWord, CanBeCheckedWithoutOpeningTheDevice) {
   for (const char* good : {"virtual", "mouse", "virtual:none.txt", "replay:none.h5", "haply",
                            "plugin:none.so", "tcp://127.0.0.1:1"})

@@ -245,7 +245,8 @@ class FarSide : public Side {
   std::string endpoint;
 };
 
-/// A device whose texts move the cursor and are not valid for a message.
+/// A device whose name and trouble contain codes that move the cursor, and bytes that are not
+/// UTF-8.
 class RudeDevice : public test::TrayDevice {
  public:
   std::string name() const override { return "\x1b[2Jtray"; }

@@ -63,7 +63,7 @@ TEST_F(AreaPreparation, PreparesNoMoreThanIsNeeded) {
   EXPECT_EQ(growing.madeSites(), growing.siteCount());
 }
 
-// Regression: it read the spacing of a lattice that did not exist yet.
+// Regression: the preparation read the spacing of a lattice that did not exist yet.
 TEST_F(AreaPreparation, FarFromAllCollocationPointsThereIsNoAnswer) {
   AreaField growing = area();
   const Eigen::Vector3d nowhere(1, 1, 1);

@@ -315,7 +315,7 @@ TEST(EnergyLimit, RemovesTheEnergyCreatedBySamplingASpring) {
   EXPECT_NEAR(extracted.held, created, 0.01 * created);
   const double of_one_tick = 0.5 * stiffness * std::pow(speed * options.period, 2);
   EXPECT_LE(extracted.guarded, 2 * of_one_tick);
-  // The way in creates this energy, the way out removes it.
+  // The guard's energy sum falls by `created` / 20 on the way in and rises again on the way out.
   EXPECT_GE(extracted.least_passivity, -1.1 * created / 20);
   EXPECT_GT(extracted.damped, 900);
 }
@@ -340,7 +340,7 @@ TEST(EnergyLimit, DoesNotActOnAHandThatLosesEnergy) {
     input.touch.force.y() -= 5 * speed;  // an additional damper
     damped += has(guard.limit(input), Guarded::damped) ? 1 : 0;
   }
-  // Only near the surface, where the stored energy is below its uncertainty.
+  // The guard damps only near the surface, where the stored energy is below its uncertainty.
   EXPECT_LE(damped, 40);
 }
 

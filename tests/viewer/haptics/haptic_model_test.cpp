@@ -140,7 +140,8 @@ TEST_F(GrowingBody, BoundsTheGuessOfASingleSite) {
   EXPECT_GE(touch.error_bound, touch.force.norm());
 }
 
-/// A hand feels by its bound that a force is guessed, and feels no kick when results replace it.
+/// The error bound shows that a force is guessed, and a hand feels no kick when results replace the
+/// guess.
 TEST_F(GrowingBody, ReplacesAGuessUnderTheHand) {
   const HapticModel guess = modelOf("part.h5", true), whole = modelOf("whole.h5", true);
   const Eigen::Vector3d place = unfinishedPlace();

@@ -192,7 +192,7 @@ TEST_F(RefinedReport, DrawsActiveNodesOnTheOrganWithTheirBounds) {
   for (const nlohmann::json& node : drawn["nodes"]) {
     EXPECT_GE(node["largest_bound"].get<double>(), node["mean_bound"].get<double>());
     const std::int32_t number = node["node"];
-    // Visible from every direction in which one of its triangles faces.
+    // The mark of a node lists all triangles that contain it, so it is visible if one of them is.
     std::vector<std::size_t> triangles;
     for (std::size_t n = 0; n < drawn["body"]["triangles"].size(); ++n)
       if (drawn["body"]["triangles"][n] == number) triangles.push_back(n / 3);
@@ -343,8 +343,8 @@ TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {
   dense.seal(options.report.datasets.back());
   const nlohmann::json report = json();
   EXPECT_EQ(report["datasets"].size(), 2U);
-  // The first has 33 points, the second 257. The report thins the second by 3 and 4; every 2nd
-  // point of it is the first.
+  // The first dataset has 33 points, the second 257. The report thins the second by 3 and 4, but
+  // not by 2, because every 2nd point gives the lattice of the first.
   EXPECT_EQ(report["lattices"].back()["configurations_per_node"].get<double>(), 257);
   const nlohmann::json& measured =
       report["lattices"][report["measured_lattice"].get<std::size_t>()];

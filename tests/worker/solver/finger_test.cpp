@@ -100,7 +100,8 @@ TEST_F(FingerOnABlob, FiberStiffnessAtRestIsNearlyTheMeanOfBothSides) {
     const double pull = -up.force[i] / h, push = down.force[i] / h;
     EXPECT_GT(std::max(pull, push), 1.7 * std::min(pull, push));
     EXPECT_NEAR(-rest.stiffness(i, i), (pull + push) / 2, 0.1 * (pull + push) / 2);
-    // The differences of tangents are such jumps over their step.
+    // The stored third derivatives are such jumps of the tangent, divided by the step of the
+    // difference.
     EXPECT_GT(rest.stiffness_by_p.norm() * pad_radius, 100 * rest.stiffness.norm());
   }
 }
@@ -132,7 +133,7 @@ TEST_F(FingerOnABlob, IsPushedOnlyUpToTheForceLimit) {
     return solver.reach(test::startAtRest(solver), target).outcome;
   };
   EXPECT_TRUE(reachWith(1.5 * force, pushed).converged());
-  // The stiffness at rest predicts that this is too much, so no solve is tried.
+  // The stiffness at rest predicts a larger force than the limit, so no solve is tried.
   const Outcome predicted = reachWith(0.1 * force, pushed);
   EXPECT_EQ(predicted.failure().cause, Cause::beyond_force);
   EXPECT_EQ(predicted.cost.factorizations, 0);
@@ -201,7 +202,7 @@ TEST_F(FingerOnABlob, IsNotFollowedThroughTheBody) {
   const Reached rest = solver_->reach(test::startAtRest(*solver_), Eigen::Vector3d::Zero());
   const Reached lost = solver_->follow(*rest.end, {center(), pad_radius}, {-0.5, 0, 0});
   EXPECT_FALSE(lost.outcome.converged());
-  // The next place is followed from where the hand was before.
+  // After a failure, the next follow() may start from the place of the hand before it.
   EXPECT_TRUE(solver_->follow(*rest.end, {center(), pad_radius}, pushed).outcome.converged());
 }
 

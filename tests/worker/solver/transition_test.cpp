@@ -218,7 +218,8 @@ Problem columnUnder(ToolKind tool, const Mesh& mesh) {
   return resolve(scene, mesh);
 }
 
-/// A column under a soft tool buckles in two ways at once. If it is solved one day, choose another.
+/// A column under a soft tool buckles in two ways at once. If the solver learns to solve it, choose
+/// another body.
 TEST_F(TransitionTest, ABodyThatBucklesInManyWaysFailsWithItsCause) {
   clamp(columnUnder(ToolKind::weighted_average, test::boxMesh({0.01, 0.01, 0.05}, {2, 2, 6})));
   const Outcome outcome = reach({0, 0, -7e-3});
