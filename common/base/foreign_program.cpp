@@ -147,8 +147,8 @@ Ran runToItsEnd(const ForeignProgram& program) {
     case WhyEnded::interrupted:
       throw Error(ExitCode::interrupted, fmt::format("interrupted while {} was running", name));
     case WhyEnded::out_of_patience: {
-      // Report the program's own messages. sbatch, for example, retries for minutes and prints the
-      // reason.
+      // Report the program's own messages: sbatch, for example, retries for minutes, and prints
+      // why.
       const std::string said = printable(readWhole(err), longest_reason);
       throw failure("{} did not finish within {} s{}{}", name, program.patience.count(),
                     said.empty() ? "" : "; it printed: ", said);

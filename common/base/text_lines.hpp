@@ -14,7 +14,7 @@ namespace palpate {
 /// Reads text line by line and word by word. Skips blank lines. Errors carry file and line.
 class TextLines {
  public:
-  /// `source` names the file in errors. Skips a UTF-8 byte order mark, which some Windows programs
+  /// `source` names the file in errors. Skips a UTF-8 byte order mark, which Windows programs may
   /// write.
   TextLines(std::string text, std::string source)
       : text_(std::move(text)),

@@ -12,8 +12,7 @@ namespace hdf5 {
 struct ArrayInfo;
 }
 
-/// Returns the nodal fields of a solved point, for sealDataset(). Throws Error if they cannot be
-/// read.
+/// Returns the nodal fields of a solved point, for sealDataset(). Error if they cannot be read.
 using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t point)>;
 
 /// Writes a sealed dataset. The data is first written to FILE.tmp, which is closed, re-opened,
@@ -85,8 +84,7 @@ class Dataset {
   NodalFields surfaceFields(std::size_t space) const;
   /// Returns path, type, shape, hash and stored size of every array of the file.
   const std::vector<hdf5::ArrayInfo>& arrays() const;
-  /// Reads and verifies every array, including the nodal fields. Error names the first damaged
-  /// array.
+  /// Reads and verifies every array, also the nodal fields. Error names the first damaged array.
   void verifyAll() const;
 
  private:

@@ -143,8 +143,7 @@ class NamedFile {
   Handle own(hid_t id, Handle::Close closer, std::string_view what) const {
     return {check(id, what), closer};
   }
-  /// Selects rows `first`, first + 1, ... of an array with dataspace `space`, and returns their
-  /// shape.
+  /// Selects rows `first`, first + 1, ... of an array with dataspace `space`; returns their shape.
   Shape selectRows(const Handle& space, const ArrayInfo& info, hsize_t first, hsize_t count) const;
 
  private:

@@ -167,7 +167,7 @@ void writeLattices(Writer& out, const SpacesToWrite& spaces) {
         [](const Lattice& lattice, std::int32_t n) { return lattice.displacement(n); });
 }
 
-/// Makes the lattice of each space: the uniform lattice of the scene, and the added points from the
+/// Makes the lattice of each space: the scene's uniform lattice, and the added points from the
 /// file.
 void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>& spaces) {
   const auto ijk = in.readList<LatticePoint>(ijk_path);

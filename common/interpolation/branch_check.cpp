@@ -109,8 +109,7 @@ bool EdgeCheck::suspect() const {
 EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
                     double largest_force) {
   const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
-  // Corrected trapezoidal rule for the work of the force, with the slopes of the force at both
-  // ends.
+  // Corrected trapezoidal rule for the work of the force, with its slopes at both ends.
   const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
   return {.force_mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
           .energy_mismatch = std::abs(b.energy - a.energy + work) / step.norm(),

@@ -42,8 +42,7 @@ bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
   return true;
 }
 
-/// Returns the lines of a file of the key folder, without comments, or nullopt if the file does not
-/// exist.
+/// Returns the lines of a file of the key folder, without comments; nullopt if there is no file.
 std::optional<TextLines> privateLines(const std::filesystem::path& file) {
   if (!isPrivate(file.parent_path(), 0700) || !isPrivate(file, 0600)) return std::nullopt;
   std::string text = readText(file, "key file");

@@ -13,8 +13,7 @@ struct KeyOptions {
   /// Adds both options to `app`, which must not outlive this object. `means` is the text of --help
   /// that describes the risk of --insecure.
   void addTo(CLI::App& app, const char* means);
-  /// Returns the key folder, or nullopt with --insecure. Error (bad input) if there is no folder to
-  /// use.
+  /// Returns the key folder, or nullopt with --insecure. Error (bad input) if there is no folder.
   std::optional<KeyFolder> keys() const;
 };
 

@@ -121,7 +121,7 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
     for (int f = 0; f < 4; ++f) {
       Triangle t = nodesOf(mesh, e, f);
-      // Rotating the lowest node to the front is an even permutation. After it at most one swap is
+      // Rotating the lowest node to the front is an even permutation. Then at most one swap is
       // left.
       std::rotate(t.begin(), std::ranges::min_element(t), t.end());
       const bool even = t[1] < t[2];

@@ -63,7 +63,7 @@ wire::Problem toMessage(const Problem& problem) {
     const auto end = std::lower_bound(nodes.begin(), nodes.end(), problem.mesh.vertices());
     group.set_nodes(bytesOfArray(std::span(nodes.begin(), end)));
   }
-  // Leave region_of out for bodies of one material, so that they keep the ids from before regions
+  // Leave region_of out for bodies of one material: they keep their ids from before regions
   // existed.
   if (problem.scene.regions.size() > 1) message.set_region_of(bytesOfArray(problem.region_of));
   message.set_fibers(bytesOfArray(problem.fibers));

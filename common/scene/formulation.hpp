@@ -35,8 +35,7 @@ enum class PressureSpace : std::uint8_t { none, p1, p1_stabilized, p2 };
 enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 
 /// How a tool prescribes the displacements of a patch of nodes:
-/// - "rigid" moves all nodes of the patch by the tool's displacement; the patch may be a single
-///   node;
+/// - "rigid" moves all nodes of the patch, which may be a single node, by the tool's displacement;
 /// - "weighted-average" prescribes only the weighted mean of the nodes' displacements;
 /// - "finger" prescribes the weighted mean around a point that may be anywhere on the surface.
 enum class ToolKind : std::uint8_t { rigid, weighted_average, finger };

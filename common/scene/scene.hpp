@@ -52,7 +52,7 @@ struct Discretization {
   bool operator==(const Discretization&) const = default;
 };
 
-/// Returns whether pressure and displacement satisfy the inf-sup condition. True if there is no
+/// Returns whether pressure and displacement satisfy the inf-sup condition. True without a
 /// pressure.
 bool isInfSupStable(const Discretization& discretization);
 

@@ -31,8 +31,7 @@ std::string addressOf(int descriptor) {
   return text.data();
 }
 
-/// Returns the id that the system gives to a socket for its lifetime; 0 if the descriptor is not a
-/// socket.
+/// Returns the id that the system gives to a socket for its lifetime; 0 if it is not a socket.
 std::uint64_t cookieOf(int descriptor) {
   std::uint64_t cookie = 0;
   socklen_t size = sizeof cookie;

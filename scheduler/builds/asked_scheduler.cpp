@@ -13,8 +13,7 @@
 namespace palpate {
 namespace {
 
-/// Returns the build id in the tables of a directory. Warns and returns none if they cannot be
-/// read.
+/// Returns the build id in the tables of a directory; none, with a warning, if that fails.
 std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
   try {
     return StoredTables(directory).build().build;

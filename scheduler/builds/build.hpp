@@ -27,8 +27,7 @@ class Build {
   const Problem& problem() const { return problem_; }
   Coordinator& coordinator() { return coordinator_; }
   const StateDirectory& directory() const { return directory_; }
-  /// Reads every record that the dataset of a complete build needs. Throws DamagedRecord if one is
-  /// corrupt.
+  /// Reads every record that the dataset of a complete build needs. Throws DamagedRecord.
   void verify() const;
   /// Marks a damaged record as dropped; the next Build in this directory computes its result again.
   void drop(const DamagedRecord& damage) { store_.drop(damage.where()); }

@@ -63,8 +63,7 @@ bool Launches::works(const Running& job) const {
   return job.age >= early && !bad_nodes_.contains(job.node);
 }
 
-/// Forgets the failures if a job that started after the last failure survives: the cause is then
-/// gone.
+/// Forgets the failures if a job that started after the last one survives: the cause is then gone.
 void Launches::believe(const std::vector<Running>& running, Time now) {
   for (const Running& job : running) {
     if (!works(job) || now - job.age <= last_failure_) continue;

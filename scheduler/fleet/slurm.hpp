@@ -34,7 +34,7 @@ struct SlurmJobs {
 
   /// Returns the number of queued jobs by reason.
   std::map<std::string, int> reasons() const;
-  /// Parses `text`, the output of squeue in the format that Slurm::jobs() asks for. Skips invalid
+  /// Parses `text`, output of squeue in the format that Slurm::jobs() asks for. Skips invalid
   /// lines.
   static SlurmJobs parsed(const std::string& text, const std::string& endpoint);
 };

@@ -29,8 +29,7 @@ class WorkerPool {
   /// Returns the processes that ended since the last call.
   std::vector<Ended> reap();
   std::size_t running() const { return running_.size(); }
-  /// Sends SIGTERM, and SIGKILL to processes that still run after `grace`. Returns when none is
-  /// left.
+  /// Sends SIGTERM, and after `grace` SIGKILL. Returns when no process is left.
   void terminate(std::chrono::milliseconds grace);
 
  private:

@@ -15,8 +15,7 @@ constexpr double usual_growth = 0.2, worth = 0.25;
 /// Counts of points by outcome, and of attempts, in all uniform lattices so far.
 struct Fates {
   double went_on = 0, ended = 0, attempts = 0, tried = 0;
-  /// Mean number of attempts per tried point: a point that fails from one neighbour is tried from
-  /// others.
+  /// Mean number of attempts per tried point, which may fail from some neighbours.
   double triesEach() const { return (attempts + 1) / (tried + 1); }
   /// Probability that solving continues beyond a point.
   double share() const { return (went_on + 1) / (went_on + ended + 1); }
@@ -59,8 +58,7 @@ double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
   return chance;
 }
 
-/// Visits every n-th point of all lattices. n is so large that about most_forecast points are
-/// visited.
+/// Visits every n-th point of all lattices, with n such that it visits about most_forecast points.
 class Sample {
  public:
   explicit Sample(const std::vector<SpacePlan>& plans) {

@@ -74,8 +74,7 @@ class Frontier {
   /// solved or has one more failed attempt. Throws if the transition is not open.
   void record(const Transition& transition, const Known& known);
 
-  /// True when no further transition will become ready. Points that are still unknown have then
-  /// failed.
+  /// True when no further transition will become ready. Points still unknown have then failed.
   bool complete() const { return complete_; }
   /// Number of transitions that are ready and not recorded.
   std::int32_t openCount() const { return open_count_; }

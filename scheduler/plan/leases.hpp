@@ -111,8 +111,7 @@ class Leases {
   std::size_t waiting() const { return waiting_count_; }
   /// True if everything that was added is finished.
   bool empty() const { return entries_.empty(); }
-  /// The open transitions of one worker by job, in the order in which it solves them. No job is
-  /// empty.
+  /// The open transitions of one worker by job, in the order of solving. No job is empty.
   using Jobs = std::map<std::uint64_t, std::vector<ResultKey>>;
   /// Returns the jobs of a worker.
   const Jobs& jobsOf(const std::string& worker) const;

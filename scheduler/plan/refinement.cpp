@@ -22,8 +22,7 @@ constexpr int samples = 5;
 ///
 /// Measured at 1000 exact solutions (liver-493, Mooney-Rivlin, ball of 60 mm), for an accuracy of 3
 /// % or 10 mN: with 0.2, refinement makes 83 configurations, which meet the accuracy at 99.5 % of
-/// the positions. With 0.25 it needs 108 configurations for 100 %, and with 0.15 it stops at 98.8
-/// %.
+/// the positions. With 0.25 it makes 108 configurations for 100 %; with 0.15 it stops at 98.8 %.
 constexpr double likely_share = 0.2;
 
 /// Fraction of the ball in which the likely error must meet the accuracy. The remaining positions
@@ -71,8 +70,7 @@ class CellInspection {
       if (is_enough && !endsBesideRest(leaf)) continue;
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
-      // Assume that half of the leaves with untried corners need no split once these corners are
-      // solved.
+      // Assume that half of the leaves with untried corners need no split once these are solved.
       const double halved = halvedIn(leaf, ratio);
       halved_later += untried.empty() ? std::max(0.0, halved - 1) : halved / 2;
       points.insert(untried.begin(), untried.end());

@@ -30,8 +30,7 @@ void Coordinator::receive(Incoming incoming, Time now) {
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
   if (message.has_hello()) {
-    // If this worker is the first on a second machine, results of the first machine can now be
-    // checked.
+    // If this worker is the first on a second machine, results of the first can now be checked.
     if (workers_.hello(incoming)) seconds_.openDue();
     return;
   }

@@ -75,8 +75,7 @@ class SpotChecks {
   /// True if another check may be opened.
   bool hasRoom() const { return open_.size() < settings_.most_open; }
 
-  /// The start of the solve that gave a recorded result. The start's point may have another result
-  /// by now.
+  /// The start of the solve that gave a recorded result. Its point may have another result by now.
   struct Start {
     std::string id;  ///< wire::Job.start_id
     /// result that holds the fields of the start; nullopt if the start is the rest state

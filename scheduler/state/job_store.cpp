@@ -10,8 +10,7 @@ namespace palpate {
 JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
                    std::uint64_t segment_bytes)
     : directory_(&directory),
-      // Open the tables first: if the directory belongs to another build, their error message names
-      // it.
+      // Open the tables first: if the directory belongs to another build, their message names it.
       tables_(directory, problem),
       kept_out_(tables_.keptOut()),
       found_(replayJournal(directory.path(), problem, tables_.build().build, kept_out_,

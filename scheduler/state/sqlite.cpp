@@ -21,8 +21,7 @@ std::string untouched(const std::filesystem::path& file) {
     uri += std::string_view("%?#").find(c) == std::string_view::npos
                ? std::string(1, c)
                : fmt::format("%{:02x}", static_cast<int>(c));
-  // Without a log the file is complete: the last connection copied the log into it and removed the
-  // log.
+  // Without a log the file is complete: the last connection copied and removed the log.
   std::error_code none;
   const auto log_size = std::filesystem::file_size(file.string() + "-wal", none);
   if (none || log_size == 0) return uri + "?immutable=1";
@@ -50,8 +49,7 @@ Database::Database(const std::filesystem::path& file, Access access) : file_(fil
     sqlite3_close(handle_);
     throw failure("{}: cannot open: {}", file.string(), reason);
   }
-  // Other processes hold the lock only for moments, while they open the database or checkpoint the
-  // log.
+  // Other processes hold the lock only for moments: to open the database or checkpoint the log.
   if (sqlite3_busy_timeout(handle_, 5000) != SQLITE_OK) fail("busy timeout");
 }
 

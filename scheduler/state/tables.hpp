@@ -89,8 +89,7 @@ class Tables : public StoredTables {
   /// return.
   void forgetProgress();
 
-  /// Limit on the rows of workers that left without having delivered a result. The latest rows are
-  /// kept.
+  /// Limit on the rows of workers that left without a result. The latest rows are kept.
   static constexpr std::int64_t most_idle_departed = 1000;
   /// Inserts or replaces the rows of these workers, then applies the limit most_idle_departed. Each
   /// heard_seconds_ago counts back from the time of the call.

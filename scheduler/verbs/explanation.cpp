@@ -46,8 +46,7 @@ std::string textOf(const wire::Explanation& e) {
 
 const SpaceTable& KnownSpaces::named(const std::string& active,
                                      const std::optional<Eigen::Vector3d>& place) const {
-  // First look for the exact name of a site or probe place. chooseActive() does not know these
-  // names.
+  // First look for the name of a site or probe place. chooseActive() does not know these names.
   const auto exact =
       std::ranges::find(spaces, active, [](const SpaceTable& space) { return space.patch.name; });
   if (exact != spaces.end() && !place) return *exact;

@@ -90,8 +90,7 @@ std::string exampleOf(const ActivePatch& patch, const Scene& scene) {
                      vectorText(scene.workspace.spacing / 2 * direction, 3, " "));
 }
 
-/// Tells the user why the build in the directory `state` ended without a dataset, and how to resume
-/// it.
+/// Tells the user why the build in `state` ended without a dataset, and how to resume it.
 void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) {
   if (!coordinator.stuck())
     return tellOrLog("stopped; all results are kept in {}. The same command continues from there.",
@@ -164,8 +163,7 @@ Event startedEvent(Build& build) {
       .with("paused", coordinator.paused());
 }
 
-/// Opens the recorded results, serves the build to workers, seals the dataset and lets the workers
-/// leave.
+/// Opens the recorded results, serves the build, seals the dataset and lets the workers leave.
 class ServedBuild {
  public:
   ServedBuild(const BuildOrder& order, Serving serving)

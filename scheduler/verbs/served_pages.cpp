@@ -124,8 +124,8 @@ HttpAnswer ServedPages::explain(const HttpQuery& query) {
                          "palpate explain {} --active {} {:g} {:g} {:g}",
                          points, shellWord(state_.string()), shellWord(valueIn(query, "active")),
                          point[0], point[1], point[2]));
-  // Explaining takes the time and memory of a scheduler's start, so only one request at a time does
-  // it.
+  // Explain for one request at a time, because this takes the time and memory of a scheduler's
+  // start.
   const std::unique_lock lock(reading_, std::try_to_lock);
   if (!lock) return httpError(503, "the scheduler is answering another request; ask again");
   const KnownSpaces known = spacesIn(state_.string());

@@ -42,8 +42,7 @@ palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
   return status;
 }
 
-/// Records that an argument is invalid. Always returns false, as the checks of arguments do on
-/// failure.
+/// Records that an argument is invalid. Returns false, as the checks of arguments do on failure.
 template <class... Args>
 bool refuse(fmt::format_string<Args...> format, Args&&... args) noexcept {
   fail(PALPATE_INVALID_ARGUMENT, format, std::forward<Args>(args)...);
@@ -90,8 +89,7 @@ constexpr std::size_t firstSize(const palpate_profile*) { return 40; }
 constexpr std::size_t firstSize(const palpate_guard_options*) { return 64; }
 constexpr std::size_t firstSize(const palpate_guarded_force*) { return 48; }
 
-/// Returns whether the caller's structure is not NULL and has a known size; records the failure if
-/// not.
+/// Records a failure and returns false if the caller's structure is NULL or has an unknown size.
 template <class Struct>
 bool sizeIsKnown(const char* function, const char* name, const Struct* given) noexcept {
   constexpr std::size_t first_size = firstSize(static_cast<Struct*>(nullptr));

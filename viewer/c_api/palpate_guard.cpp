@@ -62,8 +62,7 @@ bool canBeLimited(const char* function, const palpate_guard* guard, const double
                   const palpate_touch* touch, std::uint32_t flags,
                   palpate_guarded_force* guarded) noexcept {
   if (!sizeIsKnown(function, "guarded", guarded)) return false;
-  // Set the force to zero before all other checks, so that a caller that ignores the status does no
-  // harm.
+  // Set the force to zero first, so that a caller that ignores the status does no harm.
   give(guarded, palpate_guarded_force{});
   if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
       !sizeIsKnown(function, "touch", touch))

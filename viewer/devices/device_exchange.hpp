@@ -33,8 +33,7 @@ class DeviceExchange {
 
   // Called by any thread; real time.
   void halt() noexcept { halted_ = true; }
-  /// After a resume, force() returns the last force that was written before the resume, or a newer
-  /// one.
+  /// After a resume, force() returns the last force written before it, or a newer one.
   void resume() noexcept { halted_ = false; }
   bool halted() const noexcept { return halted_; }
 

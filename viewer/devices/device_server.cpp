@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr auto holder_silence = 1s;
 constexpr auto trouble_interval = 100ms;
 constexpr auto longest_validity = 1s;
-/// An honest client sends this number of messages in two seconds. More messages in one turn are a
+/// An honest client sends this number of messages in two seconds. More messages in a turn are a
 /// flood.
 constexpr int messages_per_turn = 2048;
 
