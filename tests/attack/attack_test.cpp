@@ -190,7 +190,7 @@ TEST_F(AttackTest, LongMessagesFromAWorker) {
             [](zmq::context_t& context, test::Fortress& target) {
               auto enemy = loner(context, target, "long", "worker", 1);
               return [enemy, n = 0]() mutable {
-                // libzmq delivers this message only when it is complete: 20 MB.
+                // The message has 20 MB, and libzmq delivers it only when it is complete.
                 if (!enemy->sendFrame(randomText(60000), ++n % 350 != 0))
                   std::this_thread::sleep_for(1ms);
               };

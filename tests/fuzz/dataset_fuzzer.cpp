@@ -6,7 +6,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Any file. Files with correct hashes are tested by the fuzzer dataset_values.
+/// Opens any bytes as a dataset. The fuzzer dataset_values tests files with correct hashes.
 void readDatasetFile(std::string_view bytes) {
   static const test::TemporaryDirectory directory;
   const std::filesystem::path file = directory / "fuzzed.h5";

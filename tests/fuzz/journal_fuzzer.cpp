@@ -42,7 +42,7 @@ void readSegments(std::string_view bytes) {
   for (const JournalGap& gap : scan.gaps) try {
       reader.readHeader(gap.where);
     } catch (const DamagedRecord&) {
-      // There is no record, or no complete one.
+      // The gap contains no record, or only a part of one.
     }
   mend(directory.path(), scan);
   const test::ScannedJournal mended = test::scanned(reader);

@@ -7,10 +7,10 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Each step of preparation takes some milliseconds; each place prepares at most this many.
+/// Limit on the steps of preparation for each place, because a step takes several milliseconds.
 constexpr int most_pieces = 40;
 
-/// Touches like a page, in the middle of a triangle each time.
+/// Touches the middles of triangles, with the calls that a page makes.
 void touchAll(TouchedOrgan& touched) {
   const CarriedOrgan& organ = touched.organ();
   std::vector<float> shape(3 * organ.vertices.size());

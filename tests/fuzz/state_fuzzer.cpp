@@ -12,7 +12,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// What is finally done with the directory.
+/// Use of the directory after its changes.
 enum StateUse : unsigned char {
   checks,
   reads,  ///< the other contents of the tables

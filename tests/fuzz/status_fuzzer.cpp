@@ -8,7 +8,8 @@
 namespace palpate::fuzz {
 namespace {
 
-/// In a fixed order, because the maps of a message have none.
+/// Returns the bytes of a status with its maps in a fixed order, which Protobuf does not ensure by
+/// default.
 std::string deterministicBytes(const wire::Status& status) {
   std::string bytes;
   {

@@ -8,7 +8,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// Chosen by the first byte.
+/// Changes of an array, chosen by their first byte.
 enum ArrayChange : unsigned char {
   overwrites_values,  ///< from an offset on
   fills_values,       ///< with repeated eight bytes

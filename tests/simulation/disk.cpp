@@ -155,7 +155,7 @@ ssize_t Disk::write(int file, const void* bytes, std::size_t count, off_t offset
   if (full_) return hurts(DiskFault::full, ENOSPC), -1;
   const bool lives = change();
   if (count > 1 && (!lives || strikes(DiskFault::short_write, 0))) count = random_.below(count) + 1;
-  // Where write() would begin.
+  // Position at which write() would begin.
   const off_t begin = offset >= 0 ? offset : lseek(file, 0, SEEK_CUR);
   const ssize_t written = calls::write(file, bytes, count, offset);
   if (written > 0) {

@@ -40,7 +40,8 @@ struct Summary {
   std::uint64_t lied = 0;                       ///< seeds in which the scheduler received lies
   std::uint64_t found_out = 0;                  ///< seeds in which a liar was excluded
   std::vector<std::uint64_t> spoiled;           ///< seeds with an undetected lie in the dataset
-  /// Of `lied` and `spoiled`: seeds in which the tables with all checks were damaged or lost.
+  /// Seeds in `lied` and in `spoiled` in which the tables, which hold the checks, were damaged or
+  /// lost.
   std::uint64_t lied_without_tables = 0, spoiled_without_tables = 0;
 
   void add(std::uint64_t seed, const Outcome& outcome) {

@@ -105,8 +105,8 @@ Sent Network::toWorker(const std::string& worker, const wire::Message& message, 
   if (found == lines_.end() || !found->second.known) return Sent::unroutable;
   Line& line = found->second;
   if (line.gone) {
-    // If it is reachable, the other system answers that nobody listens: this message is lost, and
-    // the next one has no route.
+    // If the system of the other end is reachable, it answers that nobody listens: this message is
+    // lost, and the next one has no route.
     if (!cut(true, worker, now) && !cut(false, worker, now)) line.known = false;
     return Sent::yes;
   }

@@ -89,7 +89,7 @@ void SchedulerProcess::wake(Seconds now) {
     try {
       turn(now);
     } catch (const DamagedRecord& damage) {
-      // Like `serve` and `build`: unreadable results are computed again.
+      // Unreadable results are computed again, as in `serve` and `build`.
       if (++damages_ > most_damages)
         throw Broken("a damaged record stays, however often it is dropped");
       build_->drop(damage);
@@ -98,7 +98,7 @@ void SchedulerProcess::wake(Seconds now) {
   });
 }
 
-/// Like `serve` and `build`: results of liars are computed again.
+/// Excludes liars, whose results are then computed again, as in `serve` and `build`.
 void SchedulerProcess::keepOut(const std::vector<KeptOut>& liars, Seconds now) {
   ledger_.noteVerdict(liars, stateDirectory());
   if (const auto changes = std::exchange(kill_at_verdict_, std::nullopt)) {

@@ -100,7 +100,7 @@ class FrozenThread {
                                                          "/libstdc++", "/libzmq", "[v", "san.so"},
                                               within))
       return true;
-    // A signal that arrived before our stop is passed on.
+    // Pass on a signal that arrived before this test stopped the thread.
     const bool ours = status >> 16 == PTRACE_EVENT_STOP;
     ptrace(PTRACE_CONT, thread_, nullptr, ours ? 0L : static_cast<long>(WSTOPSIG(status)));
     return false;
@@ -126,7 +126,7 @@ pid_t solverThreadOf(const Process& worker) {
 }
 
 struct AccidentTest : test::SmallBuild {
-  // Large enough that the build is not complete before the accident.
+  // The body is so large that the build is not complete before the accident.
   AccidentTest() : SmallBuild(6) {}
 
   std::unique_ptr<Process> serve(const std::vector<std::string>& more = {}) {
@@ -239,7 +239,7 @@ TEST_F(AccidentTest, ARemovedStateDirectoryEndsTheSchedulerWithAnError) {
 }
 
 TEST_F(AccidentTest, ASuspendedMachineLosesNoWorker) {
-  // In long tests, longer than any tolerated silence of a worker.
+  // In long tests, the machine sleeps longer than the silence after which a worker counts as lost.
   const std::chrono::seconds asleep(test::longTestsAreWanted() ? 65 : 4);
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));

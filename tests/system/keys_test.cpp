@@ -74,7 +74,7 @@ TEST_F(KeysTest, AWorkerWaitsForAdmissionAndLeavesOnWithdrawal) {
 }
 
 TEST_F(KeysTest, ABuildHasItsOwnKeysInItsStateDirectory) {
-  // Paused before the start, otherwise it might complete before it is queried.
+  // Pause the build before its start, so that it is not complete before the queries.
   auto first = SmallBuild::serve("out.h5.state", "out.h5");
   endpointIn("out.h5.state");
   expectDone("anybody", "pause out.h5.state");

@@ -237,7 +237,7 @@ struct PowerCutTest : DiskTest {
     for (const PowerCut& cut : cuts) recoverFrom(cut, journal, undisturbed);
   }
 
-  /// `journal`: of the run without a cut; the disk must hold its beginning.
+  /// `journal`: the journal of the run without a cut. The disk must hold the beginning of it.
   void recoverFrom(const PowerCut& cut, const std::string& journal,
                    const std::string& undisturbed) {
     SCOPED_TRACE("power cut " + cut.when + ", " + std::to_string(cut.recorded) +

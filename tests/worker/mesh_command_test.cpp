@@ -75,7 +75,7 @@ TEST_F(MeshCommand, ProposesSoundScenesForABoxAndTheShippedLiver) {
 TEST_F(MeshCommand, WarnsOfTriangleCountsThatTakeAMinute) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   test::writeBinaryStl(test::sphereSurface(60, 130), directory / "organ.stl");
-  // Reported before meshing, which is impossible with this size.
+  // The warning comes before the meshing, which is impossible with this size.
   const CommandResult meshed = worker("mesh organ.stl -o organ.msh --size 1000");
   EXPECT_EQ(meshed.exit_code, 2) << meshed.output;
   EXPECT_THAT(meshed.output,
@@ -261,7 +261,7 @@ TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {
   test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
   std::filesystem::create_directory(directory / "tmp");
   test::writeScript(directory / "gmsh", "touch started\nexec sleep 300");
-  // A terminal sends its signal to the whole process group.
+  // A signal may reach only the command, or, from a terminal, the whole process group.
   for (const auto& [starter, kill] :
        {std::pair("", "kill -TERM $!"), std::pair("setsid -w", "pkill -TERM -g $!")}) {
     const CommandResult stopped = test::runCommand(

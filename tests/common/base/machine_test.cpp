@@ -34,7 +34,8 @@ TEST_F(CoresOfGroupsTest, TheSmallestLimitOfAllEnclosingGroupsApplies) {
 
 TEST_F(CoresOfGroupsTest, ReadsVersionOneToo) {
   write("groups", "1:cpu,cpuacct:/docker/abc\n0::/");
-  // In a container, where the path is that of the host.
+  // In a container, the file of groups has the path on the host, but only the container's own group
+  // is mounted.
   write("mounted/cpu,cpuacct/cpu.cfs_quota_us", "300000");
   write("mounted/cpu,cpuacct/cpu.cfs_period_us", "100000");
   EXPECT_EQ(cores(), 3);

@@ -227,7 +227,7 @@ TEST_F(ChangedDataset, IsRefusedForImpossibleValues) {
                 {"f['points/ijk'][5, 0] += 1", "/points/ijk"}});
 }
 
-/// Only a check of the fields can find this.
+/// Only a check of the fields can find a change of the fields with updated hashes.
 TEST_F(ChangedDataset, FieldsAreComparedWithTheirOwnHash) {
   expectErrors(Hashes::forged, {{"f['points/displacement'][3, 0, 0] = 7"}});
   const Dataset dataset(directory / "changed-0.h5");

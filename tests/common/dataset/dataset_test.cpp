@@ -46,7 +46,7 @@ std::vector<float> displacementsOf(const std::vector<std::int32_t>& nodes,
   return values;
 }
 
-/// The sites of a finger and five probes, created once because it takes a second.
+/// The sites of a finger and five probes. They are created once, because this takes a second.
 const test::FingerBody& fingers() {
   static const test::FingerBody body(5);
   return body;

@@ -154,7 +154,8 @@ TEST_F(Hdf5WriterTest, AnOpenListOfAClosedFileIsAnErrorThatNamesBoth) {
   expectError(ExitCode::failed, [&] { addTo(0, 0); }, {"list.h5", "blake2b"});
 }
 
-/// Regression: the whole list was computed first. The process may continue with another file.
+/// Regression: the whole list was computed before the error was reported. After the error, the
+/// process can write another file.
 TEST_F(Hdf5WriterTest, AFullDiskIsReportedSoonAndSurvived) {
   for (const rlim_t room : {0 * mebibyte, mebibyte / 2, 3 * mebibyte}) {
     SCOPED_TRACE(room);

@@ -96,7 +96,7 @@ TEST_F(FrontCommand, TheSceneInTheOverviewIsValid) {
   const std::string text = palpate("--help").output;
   const std::size_t begin = text.find("  mesh = ");
   ASSERT_NE(begin, std::string::npos);
-  // The scene is indented; the next line is not.
+  // The lines of the scene are indented; the line after the scene is not.
   std::size_t end = begin;
   while (text[text.find('\n', end) + 1] == ' ') end = text.find('\n', end) + 1;
   end = text.find('\n', end);

@@ -32,7 +32,7 @@ struct SitesOnACube : ::testing::Test {
   static std::vector<Eigen::Vector3d> cover(const Mesh& mesh, double radius) {
     return sitesOn(mesh, allTriangles(mesh), mesh.node_groups.at("xmin"), radius, site_distance);
   }
-  /// The sites of a finger of this radius, created once because it takes seconds.
+  /// The sites of a finger of this radius. They are created once, because this takes seconds.
   static const std::vector<Eigen::Vector3d>& covered() {
     static const std::vector<Eigen::Vector3d> sites = cover(mesh, radius);
     return sites;

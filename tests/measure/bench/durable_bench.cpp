@@ -151,7 +151,7 @@ void measure(const Options& options, const std::filesystem::path& directory) {
       if (entry.path().extension() == ".dat") sum += static_cast<double>(entry.file_size());
     return sum;
   };
-  // There are few first steps from rest; after them there is always enough work.
+  // At first only a few steps from rest are ready. After these, all workers always have work.
   const auto began = Clock::now();
   while (acknowledged() < 500 && secondsSince(began) < 60) workFor(0.05);
   const std::size_t first = acknowledged();
@@ -162,7 +162,8 @@ void measure(const Options& options, const std::filesystem::path& directory) {
                                 static_cast<double>(settings.group_bytes) / record);
   const auto group_bytes = static_cast<std::size_t>(group * record);
 
-  // One second each in turn: after many writes a disk becomes slower for both.
+  // The scheduler and the bare disk take turns of one second, because a disk becomes slower after
+  // many writes.
   BareDisk disk(directory, group_bytes);
   Usage used, own_used;
   double seconds = 0, results = 0, journaled = 0;

@@ -76,9 +76,9 @@ struct SlurmFleetTest : testing::Test {
     return sum;
   }
 
-  /// Lets the fleet query the scheduler after each of these, a second apart, and then tells it that
-  /// the build is complete; the last one must let worker "a" join. Returns how many workers it
-  /// requested after each answer.
+  /// Runs a fleet. Calls each function of `moments`, a second apart, and lets the fleet query the
+  /// scheduler after each call. Then completes the build, so the last function must let worker "a"
+  /// join. Returns how many workers the fleet requested after each answer.
   std::vector<int> askedAfter(const std::vector<std::function<void()>>& moments) {
     std::vector<int> asked;
     auto fleet = std::async(std::launch::async, [&] { return SlurmFleet(options).run(); });

@@ -51,7 +51,8 @@ struct ForecastTest : testing::Test {
     found.equilibrium.energy = energy.energy(p);
     return {found, {}};
   }
-  /// Checks the moments from this share of a build until a twentieth is left.
+  /// Checks the forecasts from the time when this share of the build is done until a twentieth is
+  /// left.
   static void expectHonest(const std::vector<Moment>& moments, double from = 0.1,
                            double factor = 1.5) {
     const double all = std::ssize(moments);
@@ -72,7 +73,8 @@ TEST_F(ForecastTest, CountsAllPointsOfAFullyReachedLattice) {
   EXPECT_NEAR(moments.back().forecast, 1, 1e-9);
 }
 
-/// Regression: unknown points that no path leads to counted as work, in the end as all of it.
+/// Regression: unknown points that no transition can reach were counted as remaining work; near the
+/// end they were all of it.
 TEST_F(ForecastTest, LeavesOutPointsBehindTerminatingOnes) {
   problem.scene.workspace.radius = 0.06;
   problem.scene.workspace.max_force = 1e6;

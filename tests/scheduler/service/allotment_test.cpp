@@ -35,7 +35,8 @@ TEST_F(AllotmentTest, ANewWorkerHoldsTwoAndOthersAsManyAsTheyDelivered) {
   EXPECT_EQ(allotment.limitOf(worker, now), 2 * max_targets_per_job);
 }
 
-/// With as many as others, the slow worker would finish last while others wait.
+/// With as many targets as other workers, the slow worker would finish last, and the others would
+/// wait.
 TEST_F(AllotmentTest, AWorkerSevenTimesSlowerHoldsAFractionOfOthers) {
   Worker usual, slow;
   deliverBeside(usual, slow, 7);

@@ -84,7 +84,7 @@ TEST_F(CoordinatorTest, HandsOutHigherPrioritySpacesFirstEvenAfterARestart) {
   EXPECT_EQ(world.takeJobs("a").at(0).space(), 1u);
 }
 
-/// A machine without memory fails where others succeed.
+/// A machine with too little memory fails in solves in which other machines succeed.
 TEST_F(CoordinatorTest, RetriesFailuresOfACauseAndEndsWithTheSameDataset) {
   test::BuildWorld healthy;
   healthy.join("a", 1);
@@ -111,7 +111,7 @@ TEST_F(CoordinatorTest, RetriesFailuresOfACauseAndEndsWithTheSameDataset) {
   EXPECT_EQ(world.sealedContent(), healthy.sealedContent());
 }
 
-/// The failures are already part of the dataset that is being sealed.
+/// Once the build is complete, its failures are part of the dataset that is being sealed.
 TEST_F(CoordinatorTest, RetriesNoFailureOnceItIsComplete) {
   failWithoutMemory();
   world.join("a", 1);

@@ -271,8 +271,8 @@ TEST_F(LiarTest, ASolveInSeveralStepsIsCheckedInAsMany) {
   EXPECT_GT(in_steps, 10) << "otherwise nothing was tested";
 }
 
-/// The checked result may be recorded again: after a restart between the verdict and the exclusion,
-/// or if a liar's results led to it.
+/// A checked result may be recorded again: after a restart between the verdict and the exclusion,
+/// or if it was solved from the result of a liar.
 TEST_F(LiarTest, ALiarNotExcludedBecauseOfAKillIsFoundAgain) {
   const ContentId honest = honestContent();
   LiarWorld world;

@@ -128,7 +128,8 @@ TEST_F(JournalTest, CutAtAnyLengthItKeepsWholeRecordsAndContinues) {
   }
 }
 
-/// The last segment that was read stays open.
+/// The reader keeps the last segment that it read open, and must notice records that are appended
+/// later.
 TEST_F(JournalTest, ReadsRecordsAppendedSinceItsSegmentWasRead) {
   Journal journal = open(100);
   const JournalPosition a = journal.append("a", "payload");

@@ -18,7 +18,7 @@ TEST(ResultIndex, IsFastForTheTransitionsOfALattice) {
     for (std::int32_t j = -radius; j < radius; ++j)
       for (std::int32_t k = -radius; k < radius; ++k)
         for (const std::uint32_t space : {0u, 1u}) {
-          // Adaptive scenes count in 1024ths of the spacing.
+          // In adaptive scenes, lattice coordinates are in 1024ths of the spacing.
           const ResultKey key{
               space, {1024 * i, 1024 * j, 1024 * k}, {1024 * (i - 1), 1024 * j, 1024 * k}};
           ASSERT_TRUE(index.emplace(key, JournalPosition{1, ++count, 1000}).second);

@@ -38,7 +38,8 @@ TEST_F(TablesTest, StoreTheProgressUntilAResultIsDropped) {
   EXPECT_FALSE(StoredTables(held.path()).progress());
 }
 
-/// Regression: a worker was told that its contradiction is recorded, but a power cut removed it.
+/// Regression: the result of a worker that contradicted another one was acknowledged, but a power
+/// cut removed the dispute.
 TEST_F(TablesTest, WriteADisputeToDiskAtOnce) {
   const ResultKey key = {0, {1, -2, 3}, {1, -2, 2}};
   Tables tables = open();

@@ -139,7 +139,7 @@ TEST(HaplyMessage, PositionsComeInOurAxes) {
   EXPECT_THAT(state.trouble, IsEmpty());
 }
 
-/// Power is equal in both frames, so forces rotate like positions.
+/// The power force . velocity is equal in both frames, so forces rotate like positions.
 TEST(HaplyMessage, ForcesGoOutInTheAxesOfTheService) {
   const json message = json::parse(haplyForceMessage("049D", {1, 2, 3}));
   EXPECT_EQ(message, json::parse(R"({"inverse3": [{"device_id": "049D", "commands":
@@ -228,8 +228,8 @@ TEST(HaplyDevice, GivesZeroForceToAServiceThatStopsAnswering) {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {1, 0, 0}));
   }));
   service.fallSilent();
-  // Zero over the open connection. A service that is connected again and stays silent gets no force
-  // at all.
+  // The device sends zero force over the open connection. After a reconnection, a service that
+  // stays silent gets no force at all.
   EXPECT_TRUE(eventually([&] {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {0, 0, 0}));
   }));

@@ -260,7 +260,7 @@ TEST(NetworkDevice, EscapesInvalidTextOfADevice) {
   DeviceServer server(rude, "tcp://127.0.0.1:*");
   NetworkDevice device({.endpoint = server.endpoint()});
   EXPECT_TRUE(eventually([&] { return device.read().status == DeviceStatus::fresh; }));
-  // Before its first state arrives, the trouble is that no server answers.
+  // Before the first state of the device arrives, trouble() reports that no server answers.
   EXPECT_TRUE(eventually([&] { return device.trouble().find("??[31mxxx") != std::string::npos; }))
       << device.trouble();
   EXPECT_THAT(device.name(), HasSubstr("?[2Jtray at"));

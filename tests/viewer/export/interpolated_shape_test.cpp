@@ -46,7 +46,7 @@ TEST_F(InterpolatedShapeTest, LiesHalfWayBetweenTwoConfigurations) {
   EXPECT_TRUE(found.pressure.empty()) << "the surface alone is stored";
 }
 
-/// Under a finger the body moves as its weights say, at sites and between them.
+/// The body moves with the finger near its place and hardly far away, at sites and between them.
 TEST_F(InterpolatedShapeTest, FollowsAFingerBetweenItsSites) {
   const test::FingerBody body;
   body.seal(file);

@@ -46,7 +46,7 @@ TEST(TouchWay, HasTheLengthOfTheToolsMotion) {
   EXPECT_EQ(way[1].answer.sample.force, answers.answer(way[1].touch).sample.force);
 }
 
-/// The second place lies above the body.
+/// The second place of the path lies above the body.
 TEST(TouchWay, ForAFingerJoinsPointsOfTheSurface) {
   const test::TemporaryDirectory directory;
   test::FingerBody().seal(directory / "finger.h5");

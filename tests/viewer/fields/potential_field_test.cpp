@@ -192,7 +192,7 @@ TEST(EnergyCorrections, SpreadAnEnergyJumpOverThreeLeaves) {
   // themselves, so the sum (1 - 2 d)^2 + 2 d^2 + 2 d^2 is least at d = 1 / 4.
   constexpr double lost = 0.02;
   const CellData data = dataOf(Step(lost, 0));
-  // The boundary, three spacings away, changes that a little.
+  // The boundary of the ball, three spacings away, changes the result a little.
   EXPECT_NEAR(correctionAt(data, {0, 0, 0}), -lost / 4, 0.005 * lost);
   EXPECT_NEAR(correctionAt(data, {1, 0, 0}), lost / 4, 0.005 * lost);
 }
@@ -217,7 +217,8 @@ TEST(EnergyCorrections, IgnoreAMismatchWithinTheDifferenceOfForces) {
   const CellData within = dataOf(Step(0.09 * jump * spacing, jump)),
                  beyond = dataOf(Step(0.5 * jump * spacing, jump));
   ASSERT_FALSE(within.inconsistent.empty());
-  // Away from the boundary, whose ghosts continue one branch into the other.
+  // Check points away from the boundary of the ball, where ghosts continue one branch into the
+  // other.
   EXPECT_LT(std::abs(correctionAt(within, {0, 0, 0})), 0.005 * jump * spacing);
   EXPECT_LT(std::abs(correctionAt(within, {1, 0, 0})), 0.005 * jump * spacing);
   EXPECT_GT(correctionAt(beyond, {1, 0, 0}), 0.05 * jump * spacing);

@@ -375,7 +375,7 @@ struct Sweep {
   int ticks = 0, triangles = 0;
 };
 
-/// 0.1 m/s at 1 kHz across the body, 10 to 20 mm deep.
+/// Moves the tool across the body at 0.1 m/s and 1 kHz, 10 to 20 mm deep.
 Sweep sweepOver(const HapticModel& model, double friction, double top) {
   Sweep sweep;
   for (const double y : {-0.021, -0.01, 0.0, 0.0105, 0.022})
@@ -459,7 +459,7 @@ TEST(Contact, NeverReturnsMoreWorkThanItTookOnRandomWalks) {
       const Walk walk(*model, 3);
       for (int n = 0; n < 100000; ++n) {
         const Eigen::Vector3d wave = walk.at(0.0001 * n);
-        // Within the workspaces; beyond them a force has no potential.
+        // Stay within the workspaces, because a force beyond them has no potential.
         const Eigen::Vector3d tool(0.5 * wave.x(), 0.5 * wave.y(), 0.05 + 0.2 * wave.z());
         const Touch& touch = contact.update(tool);
         ASSERT_TRUE(touch.inside);

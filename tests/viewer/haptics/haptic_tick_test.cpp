@@ -192,11 +192,11 @@ TEST_F(HapticTickTest, SwitchesTheMethodWhileTouchingWithoutAKick) {
   EXPECT_TRUE(tick.state().touch.touching);
   const double difference = (before - potential).norm();
   EXPECT_GT(difference, 0.01);
-  // A ramp of 50 ticks, with a steepest slope of 1.5 times the mean.
+  // The ramp takes 50 ticks, and its steepest slope is 1.5 times its mean slope.
   EXPECT_LE(largest_step, 1.6 * difference / 50);
 }
 
-/// The shown touch has a triangle and spaces of the earlier model.
+/// The touch that is still shown has a triangle and spaces of the earlier model.
 TEST_F(HapticTickTest, ForgetsTheShownTouchWhenTheModelChanges) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model(), &model()}, hand, options());

@@ -68,7 +68,7 @@ int firstChangeInPanel(const Image& a, const Image& b) {
 
 class PictureTest : public ::testing::Test {
  protected:
-  /// Created once because sealing and preparing take longer than most pictures.
+  /// The model is created once, because sealing and preparing take longer than most pictures.
   static const HapticModel& shared() {
     static const HapticModel model = test::tenNodeModel();
     return model;

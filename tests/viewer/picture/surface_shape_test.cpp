@@ -114,7 +114,8 @@ TEST(SurfaceShape, ColoursPressuresOnBothSidesOfZeroAsTheLegendDoes) {
   EXPECT_EQ(bytesAt(shape, 8), none) << "places without a pressure show tissue";
 }
 
-/// Between vertices the mean, as for mid-edge nodes of quadratic elements.
+/// An added vertex in the middle of an edge has the mean pressure of the edge's ends, as a mid-edge
+/// node of quadratic elements has.
 TEST(SurfaceShape, HasTheMeanPressureInTheMiddleOfAnEdge) {
   const Square square;
   SurfaceShape shape = square.shape();

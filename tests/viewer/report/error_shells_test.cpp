@@ -37,7 +37,8 @@ TEST(ErrorShells, HaveTheMeanAndTheMaximumOfEqs13And14) {
   EXPECT_NEAR(measures.error.maximum, 0.5, 1e-15);
   EXPECT_NEAR(measures.relative.mean, (0.5 / 5 + 0.1 / 0.5) / 2, 1e-15);
   EXPECT_NEAR(measures.relative.maximum, 0.2, 1e-15);
-  // By components: there are six, and a zero component is divided by the floor.
+  // The two errors have six components, and the relative error of a zero component is relative to
+  // the floor.
   EXPECT_NEAR(measures.mean_component, (0.5 + 0.1) / 6, 1e-15);
   EXPECT_NEAR(measures.max_component, 0.5, 1e-15);
   EXPECT_NEAR(measures.mean_relative_component, (0.5 / 4 + 0.1 / relative_error_floor) / 6, 1e-15);

@@ -88,7 +88,8 @@ bool computesRight(int n) {
   return true;
 }
 
-/// Small matrices have separate kernels; the others fill blocks and leave remainders.
+/// OpenBLAS has separate kernels for small matrices. The larger sizes fill its blocks and leave
+/// remainders.
 TEST(BlasKernels, ComputeCorrectlyInThisProcess) {
   openblas_set_num_threads(1);
   for (const int n : {5, 48, 97}) {
@@ -109,7 +110,8 @@ TEST(BlasKernels, ComputeCorrectlyInEveryFamilyOfThisCpu) {
   }
 }
 
-/// `palpate-worker kernels` with limited address space. 124: it had to be stopped.
+/// Runs `palpate-worker kernels` with limited address space. Exit code 124 means that timeout(1)
+/// had to end it.
 test::CommandResult kernelsWithin(int kilobytes) {
   return test::runCommand(
       fmt::format("ulimit -v {}; timeout 60 env -u OPENBLAS_NUM_THREADS {}/palpate-worker kernels",

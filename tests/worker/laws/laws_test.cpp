@@ -106,8 +106,8 @@ class Deformations {
   }
   Vector3d direction() { return rotation().col(0); }
 
-  /// Large and small ones with volume ratios from 0.5 to 2, and some with equal or nearly equal
-  /// principal stretches.
+  /// Large and small deformation gradients with volume ratios from 0.5 to 2, and some with equal or
+  /// nearly equal principal stretches.
   std::vector<Matrix3d> various() {
     std::vector<Matrix3d> all;
     for (int i = 0; i < 20; ++i) all.push_back(draw(0.4, 0.5 * std::pow(4.0, i / 19.0)));
@@ -479,7 +479,7 @@ TEST(HolzapfelGasserOgdenLaw, HasTheStressOfUniaxialTensionAlongItsFibersAndNoFi
 TEST(HolzapfelGasserOgdenLaw, AtRestHasTheMeanTangentOfTautAndSlackFibers) {
   const HolzapfelGasserOgden law{5160, 3000, 2, 0.1};
   const Fibers fibers = HolzapfelGasserOgdenSample::fibers();
-  // Slightly stretched and slightly compressed along the fibers.
+  // A strain that slightly stretches the fibers; minus this strain compresses them.
   const Vector6d e = strainVoigt(Vector3d(1 + 1e-9, 1 + 1e-9, 1 - 2e-9).asDiagonal());
   const Fibers family = {fibers[0], Vector3d::Zero()};
   const Matrix6d one = respondToStrain(law, e, family).D,

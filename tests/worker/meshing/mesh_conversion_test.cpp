@@ -361,7 +361,7 @@ TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
 }
 
 TEST_F(MeshConversion, ReadsTheOldestGmshFormatsWithTheGroupOfEachElement) {
-  // For entities that later versions know only by their groups.
+  // In these formats, each element names its group.
   create("old.msh") << "$NOD\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$ENDNOD\n"
                        "$ELM\n2\n1 4 3 7 4 1 2 3 4\n2 4 8 7 4 2 3 4 5\n$ENDELM\n";
   const Mesh mesh = convert("old.msh");
@@ -378,7 +378,8 @@ TEST_F(MeshConversion, ReadsTheOldestGmshFormatsWithTheGroupOfEachElement) {
 
 TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {
   PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
-  // One of two bodies has a name, and one of its sides: meshio cannot read that in version 4.1.
+  // Only one of the two bodies and one side of it have names. meshio cannot read such a file of
+  // version 4.1.
   create("two.geo") << "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\n"
                        "Box(2) = {1, 0, 0, 1, 1, 1};\nCoherence;\n"
                        "Physical Volume(\"left part\") = {1};\n"

@@ -115,7 +115,7 @@ TEST_F(FilledSurface, TriesTetgenIfGmshCrashesAndKeepsAnEarlierMesh) {
   const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::automatic);
   EXPECT_THAT(filled.notes, Contains(HasSubstr("gmsh was killed by signal 11")));
   EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
-  // The first size is not close enough, and the run with the second one crashes.
+  // The first edge length gives too many nodes, and gmsh crashes in the run with the second one.
   test::writeScript(folder / "gmsh", "[ -e \"$0.ran\" ] && kill -SEGV $$\ntouch \"$0.ran\"\nPATH=" +
                                          ours.before + " exec gmsh \"$@\"");
   const Tetrahedra first = fill(test::boxSurface({100, 10, 10}, 10), {.nodes = 60});

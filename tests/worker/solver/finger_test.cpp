@@ -58,7 +58,7 @@ class FingerOnABlob : public ::testing::Test {
       EXPECT_LT(
           ((on.force - back.force) / (2 * h) - here.drive_stiffness.row(i).transpose()).norm(),
           1e-6 * here.drive_stiffness.norm());
-      // Up to the jumps of the weights' curvature (finger_weights_test.cpp).
+      // The tolerance covers the jumps of the weights' curvature (finger_weights_test.cpp).
       EXPECT_LT(((on.drive - back.drive) / (2 * h) - here.drive_slope.col(i)).norm(),
                 1e-2 * here.drive_slope.norm());
       expectChange(here.stiffness_by_p, i, (up.stiffness - down.stiffness) / (2 * h), 1e-5);

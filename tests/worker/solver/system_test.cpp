@@ -127,7 +127,7 @@ class SystemTest : public ::testing::Test {
   }
 
   void expectTangentIsTheDerivativeOfTheResidual(const std::string& name) const {
-    // Small, so that no fibre changes from slack to taut in between.
+    // The step is so small that no fibre becomes slack or taut within it.
     constexpr double h = 1e-7;
     const Eigen::MatrixXd K = dense();
     const double tolerance = 1e-6 * K.cwiseAbs().maxCoeff();
