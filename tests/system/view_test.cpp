@@ -46,7 +46,7 @@ struct ViewTest : testing::Test {
     auto run = start(std::move(arguments));
     return measuredBy(*run);
   }
-  /// The same for a run that was started with --json.
+  /// The measurements of a successful run that was started with --json.
   static nlohmann::json measuredBy(Process& run, int code = 0) {
     EXPECT_EQ(run.wait(), code) << run.output();
     const std::string output = run.output();

@@ -411,7 +411,7 @@ void AreaField::judge(std::size_t site) {
   }
   // If only the point at rest is solved, nothing could be compared, and `worst` is still 0.
   if (worst == 0) worst = least = share;
-  // Unsolved points get the largest error of the solved points; the point at rest gets the least.
+  // Unsolved points get the largest error of the solved points, the point at rest the smallest.
   for (std::size_t slot = 0; slot < doubts.size(); ++slot)
     if (std::isnan(doubts[slot].lack))
       doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;

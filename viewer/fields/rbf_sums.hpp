@@ -25,7 +25,7 @@ struct RbfSums {
 /// lock, throw or log.
 RbfSums linearRbfSums(const std::vector<RbfBlock>& blocks, const double (&p)[3]) noexcept;
 
-/// Returns the sums for phi(r) = r^3, in the same way.
+/// Returns the sums for phi(r) = r^3; otherwise like the function above.
 RbfSums cubicRbfSums(const std::vector<RbfBlock>& blocks, const double (&p)[3]) noexcept;
 
 }  // namespace palpate

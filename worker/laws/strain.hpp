@@ -67,8 +67,8 @@ inline auto hyperbolicSine(const auto& x) {
 }
 /// Returns J^(-2/3), also for negative J.
 inline double inverseTwoThirds(double J) { return 1 / __builtin_cbrt(J * J); }
-/// The same for all lanes of a pack at once, accurate to two units in the last place. Calls of the
-/// C library, one per lane, would take a tenth of the time of an assembly.
+/// Returns J^(-2/3) for all lanes of a pack at once, accurate to two units in the last place. Calls
+/// of the C library, one per lane, would take a tenth of the time of an assembly.
 ///
 /// Let x = J^2 and y = x^(-1/3). Read as integers, the bits of y are about a constant minus a third
 /// of the bits of x. The error of this first guess is 0.035, and each correction cubes the error. A

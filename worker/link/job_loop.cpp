@@ -10,8 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Solves the jobs of one problem. Fills in each result, together with the build, target and start
-/// that it belongs to.
+/// Solves the jobs of one problem. Each result also names its build, target and start.
 class ProblemSolver {
  public:
   ProblemSolver(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)

@@ -116,7 +116,7 @@ void WorkerSession::drain() {
 }
 
 void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
-  // This is the second answer to a hello that was repeated.
+  // This Welcome is the second answer to a Hello that was repeated.
   if (epoch_ == welcome.epoch()) return;
   const auto build = ContentId::fromBytes(welcome.build());
   if (!build) throw failure("the scheduler at {} sent an invalid build id", options_.endpoint);

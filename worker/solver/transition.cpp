@@ -19,8 +19,8 @@ namespace {
 /// Largest relative residual of du/dp. The error of the stiffness is about the square of this
 /// residual, 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
-/// The same for intermediate steps, where du/dp is only a predictor, and for the live solver
-/// (Use::felt), whose third derivatives have this relative error.
+/// Largest relative residual of du/dp after intermediate steps, where it is only a predictor, and
+/// in the live solver (Use::felt), whose third derivatives have this relative error.
 constexpr double loose_sensitivity_tolerance = 1e-2, felt_sensitivity_tolerance = 1e-3;
 /// Tolerance of the relaxation near the tool, times System::forceScale(). The relaxation need not
 /// be accurate, because Newton follows it.
