@@ -283,6 +283,8 @@ class ViewSession {
     drainRecording();
     add(statistics_, loop_->statistics());
     loop_.reset();
+    // The loop may have ended before it carried out the commands.
+    if (retired_) replaceInTick();
   }
 
   /// Checks the files on disk, the problems and the statistics, all of which change slowly.
@@ -299,8 +301,8 @@ class ViewSession {
     doubtPosition();
     if (retired_ && isRetiredUnused()) retired_.reset();
     if (build_) lookAtBuild();
-    // The build replaces the file of its results so far, and lookAtBuild() loads the new ones.
-    const bool grows = unsolved_ && options_.datasets.front() != options_.build;
+    // The build replaces and removes the file of its results so far.
+    const bool grows = unsolved_ && loaded_->first().file() != options_.build;
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
     if (grows || !replaced || !status_.notice.empty()) return;
     status_.notice = fmt::format("{} was replaced; the old dataset is used until you reload",
@@ -344,19 +346,16 @@ class ViewSession {
     build_->prefer(std::move(nearest));
   }
 
-  /// Starts to load newer results of the build.
+  /// Starts to load newer results of the build, if they have more finished sites than the models in
+  /// use, or the complete dataset.
   void growTo(const std::filesystem::path& dataset) {
     options_.datasets.front() = dataset;
     growth_began_ = std::chrono::steady_clock::now();
-    const auto unfinished = [](const HapticModel& model) {
-      std::size_t count = 0;
-      for (std::size_t s = 0; s < model.spaces().size(); ++s) count += model.isGuess(s);
-      return count;
-    };
-    const std::size_t before = unfinished(loaded_->first());
+    const bool complete = dataset == options_.build;
+    const std::size_t before = loaded_->first().guesses();
     growth_ = std::make_unique<ModelsReload>(
         options_.datasets, modelOptions(),
-        [=](const LoadedModels& models) { return unfinished(models.first()) < before; });
+        [=](const LoadedModels& models) { return complete || models.first().guesses() < before; });
   }
 
   /// Warns if the positions of the device seem to be in millimetres. The tool would then never come
@@ -431,7 +430,7 @@ class ViewSession {
 
   /// Replaces the models by newer results, while the loop runs and the window stays open.
   void followGrowth() {
-    if (!growth_ || !growth_->ended()) return;
+    if (!growth_ || !growth_->ended() || retired_) return;
     const auto now = std::chrono::steady_clock::now();
     next_growth_ = now + rest_of_growth * (now - growth_began_);
     const auto ended = std::move(growth_);
@@ -443,32 +442,43 @@ class ViewSession {
   }
 
   void replaceModels(std::unique_ptr<LoadedModels> fresh) {
-    const std::vector<const HapticModel*> models = fresh->pointers();
-    for (std::size_t n = 0; n < models.size(); ++n)
-      command({.kind = HapticCommand::Kind::replace,
-               .model = static_cast<std::int32_t>(n),
-               .replacement = models[n]});
-    if (picture_) picture_->replace(models);
     retired_ = std::exchange(loaded_, std::move(fresh));
-    retired_tick_ = loop_ ? loop_->latest().tick : 0;
     if (loaded_->first().buildId() == build_id_) live_build_ = build_id_;
+    const bool sent = replaceInTick();
+    retired_tick_ = loop_ ? loop_->latest().tick : 0;
+    if (!sent) {  // the queue of the loop is full, because the loop hangs
+      endLoop();
+      startLoop();
+    }
+    if (picture_) picture_->replace(loaded_->pointers());
     loaded_->prepareTheRest();
-    const std::vector<SpaceTable>& spaces = loaded_->first().spaces();
-    std::size_t finished = 0;
-    for (std::size_t s = 0; s < spaces.size(); ++s) finished += !loaded_->first().isGuess(s);
-    spdlog::info("{} of {} have computed forces", finished, counted(spaces.size(), "site"));
+    const std::size_t sites = loaded_->first().spaces().size();
+    spdlog::info("{} of {} have computed forces", sites - loaded_->first().guesses(),
+                 counted(sites, "site"));
+  }
+
+  /// Gives the models to the tick. Returns false if the loop does not accept the commands.
+  bool replaceInTick() {
+    const std::vector<const HapticModel*> models = loaded_->pointers();
+    bool sent = true;
+    for (std::size_t n = 0; n < models.size(); ++n)
+      sent = command({.kind = HapticCommand::Kind::replace,
+                      .model = static_cast<std::int32_t>(n),
+                      .replacement = models[n]}) &&
+             sent;
+    return sent;
   }
 
   /// Returns whether the loop has carried out the replacement. Tick retired_tick_ + 1 may have
   /// begun before the command was sent; tick retired_tick_ + 2 begins after it.
   bool isRetiredUnused() const { return !loop_ || loop_->latest().tick >= retired_tick_ + 2; }
 
-  /// Sends a command to the haptic thread; without a loop, no other thread uses the tick.
-  void command(const HapticCommand& what) {
-    if (loop_)
-      loop_->command(what);
-    else
-      tick_->obey(what);
+  /// Sends a command to the haptic thread; without a loop, no other thread uses the tick. Returns
+  /// whether it was sent.
+  bool command(const HapticCommand& what) {
+    if (loop_) return loop_->command(what);
+    tick_->obey(what);
+    return true;
   }
 
   void change(std::unique_ptr<LoadedModels> fresh) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -95,6 +96,10 @@ class HapticModel {
   const AreaField& area(std::size_t number) const noexcept { return *areas_[number]; }
   /// Returns whether the points of a space are guesses (HapticModelOptions::guess).
   bool isGuess(std::size_t space) const noexcept { return guessed_[space]; }
+  /// Returns the number of spaces whose points are guesses.
+  std::size_t guesses() const noexcept {
+    return static_cast<std::size_t>(std::ranges::count(guessed_, true));
+  }
   /// Returns whether the energy of an area at this place, m, depends on a guess. Real time.
   bool isGuessAt(const Eigen::Vector3d& place) const noexcept {
     return guessed_sites_.isReached(place);
