@@ -77,81 +77,66 @@ TEST(HapticModel, RestartsAStoppedAreaPreparation) {
   EXPECT_EQ(model.preparedShare(0), 1);
 }
 
-/// The body of a finger whose build has not begun with the site nearest to a corner of the top.
+/// The body of a finger, whole, and while its build has not begun with the first site.
 class GrowingBody : public testing::Test {
  protected:
   static constexpr std::size_t unfinished = 0;
-  GrowingBody() {
-    const Eigen::Vector3d far = body.spaces[unfinished].patch.finger->center;
+  static void SetUpTestSuite() {
+    const test::TemporaryDirectory directory;
+    test::FingerBody body;
+    place = body.spaces[unfinished].patch.finger->center;
     body.seal(directory / "whole.h5");
     for (PointRecord& point : body.spaces[unfinished].points) point = {};
     body.seal(directory / "part.h5");
-    EXPECT_GT((far - elsewhere).norm(), 0.03);
+    const auto modelOf = [&](const char* file, bool guess) {
+      return std::make_unique<HapticModel>(
+          Dataset(directory / file), HapticModelOptions{.methods = {"potential"}, .guess = guess});
+    };
+    whole = modelOf("whole.h5", true);
+    part = modelOf("part.h5", false);
+    guessed = modelOf("part.h5", true);
+    ASSERT_GT((place - elsewhere).norm(), 0.03);
   }
-  Eigen::Vector3d unfinishedPlace() const { return body.spaces[unfinished].patch.finger->center; }
-  HapticModel modelOf(const char* file, bool guess) const {
-    return HapticModel(Dataset(directory / file), {.methods = {"potential"}, .guess = guess});
+  static void TearDownTestSuite() {
+    for (auto* model : {&whole, &part, &guessed}) model->reset();
   }
 
-  const test::TemporaryDirectory directory;
-  test::FingerBody body;
-  const Eigen::Vector3d elsewhere{0.05, 0.05, 0.1};
-  const Eigen::Vector3d push{0, 0, -0.004};
+  static inline std::unique_ptr<HapticModel> whole, part, guessed;
+  static inline Eigen::Vector3d place;  ///< of the unfinished site
+  static inline const Eigen::Vector3d elsewhere{0.05, 0.05, 0.1};
+  static inline const Eigen::Vector3d push{0, 0, -0.004};
 };
 
 TEST_F(GrowingBody, IsTouchableWhereASiteIsSolved) {
-  const HapticModel model = modelOf("part.h5", false);
-  EXPECT_EQ(model.surface().areas()[0].spaces.size(), body.spaces.size() - 1);
-  EXPECT_FALSE(model.isGuessAt(unfinishedPlace()));
-  const Eigen::Vector3d whole = modelOf("whole.h5", false).area(0).evaluate(elsewhere, push).force;
-  EXPECT_LT((model.area(0).evaluate(elsewhere, push).force - whole).norm(), 0.1 * whole.norm());
-  std::vector<float> shape(3 * model.surface().vertices().size(), 1);
-  model.shape(unfinished).evaluate(push, shape);
+  EXPECT_EQ(part->surface().areas()[0].spaces.size(), part->spaces().size() - 1);
+  EXPECT_FALSE(part->isGuessAt(place));
+  const Eigen::Vector3d force = whole->area(0).evaluate(elsewhere, push).force;
+  EXPECT_LT((part->area(0).evaluate(elsewhere, push).force - force).norm(), 0.1 * force.norm());
+  std::vector<float> shape(3 * part->surface().vertices().size(), 1);
+  part->shape(unfinished).evaluate(push, shape);
   EXPECT_EQ(shape.front(), 0) << "a site without a solved point is shown at rest";
 }
 
 TEST_F(GrowingBody, IsAGuessOnlyNearUnfinishedSites) {
-  const HapticModel model = modelOf("part.h5", true), whole = modelOf("whole.h5", true);
-  EXPECT_TRUE(model.isGuess(unfinished));
-  EXPECT_TRUE(model.isGuessAt(unfinishedPlace()));
-  EXPECT_GT(model.area(0).evaluate(unfinishedPlace(), push).force.z(), 0.1);
-  EXPECT_FALSE(model.isGuessAt(elsewhere));
-  EXPECT_EQ(model.area(0).evaluate(elsewhere, push).force,
-            whole.area(0).evaluate(elsewhere, push).force)
+  EXPECT_TRUE(guessed->isGuess(unfinished));
+  EXPECT_TRUE(guessed->isGuessAt(place));
+  EXPECT_GT(guessed->area(0).evaluate(place, push).force.z(), 0.1);
+  EXPECT_FALSE(guessed->isGuessAt(elsewhere));
+  EXPECT_EQ(guessed->area(0).evaluate(elsewhere, push).force,
+            whole->area(0).evaluate(elsewhere, push).force)
       << "an unfinished site has no influence there";
-  EXPECT_FALSE(whole.isGuessAt(unfinishedPlace()));
+  EXPECT_FALSE(whole->isGuessAt(place));
 }
 
-/// A single site has no other site from which its error could be estimated.
-TEST_F(GrowingBody, BoundsTheGuessOfASingleSite) {
-  test::FingerBody single;
-  const auto others = [&](auto& list) { list.erase(list.begin() + 1, list.end()); };
-  others(single.problem.active);
-  others(single.problem.scene.active);
-  others(single.spaces);
-  for (PointRecord& point : single.spaces[0].points) point = {};
-  single.seal(directory / "single.h5");
-  const HapticModel model(Dataset(directory / "single.h5"), {.guess = true});
-  const Eigen::Vector3d place = single.spaces[0].patch.finger->center;
-  Contact contact(model);
-  contact.update(place + Eigen::Vector3d(0, 0, 0.001));
-  const Touch& touch = contact.update(place + push);
-  ASSERT_TRUE(touch.touching);
-  EXPECT_GE(touch.error_bound, touch.force.norm());
-}
-
-/// The error bound shows that a force is guessed, and a hand feels no kick when results replace the
-/// guess.
+/// The bound of a guess is at least the force, and results replace a guess without a kick.
 TEST_F(GrowingBody, ReplacesAGuessUnderTheHand) {
-  const HapticModel guess = modelOf("part.h5", true), whole = modelOf("whole.h5", true);
-  const Eigen::Vector3d place = unfinishedPlace();
-  Contact contact(guess);
+  Contact contact(*guessed);
   contact.update(place + Eigen::Vector3d(0, 0, 0.001));
   Touch touch = contact.update(place + push);
   ASSERT_TRUE(touch.touching);
   EXPECT_FALSE(touch.inside);
   EXPECT_GE(touch.error_bound, touch.force.norm());
-  contact.replace(guess, whole);
+  contact.replace(*guessed, *whole);
   touch = contact.update(place + push);
   EXPECT_TRUE(touch.touching);
   EXPECT_TRUE(touch.stepped) << "the guard turns the step into a ramp";
