@@ -476,8 +476,8 @@ PALPATE_API palpate_status palpate_live_dataset(const palpate_live* live,
 PALPATE_API palpate_status palpate_live_describe(const palpate_live* live, palpate_live_info* info);
 
 /* Writes the current problem of the live solver into `text` as a sentence, truncated to `capacity`
- * bytes with the final zero; "" if there is none. During a problem, forces continue from the last
- * equilibria, and the solver is restarted or asked again. Any thread. */
+ * bytes with the final zero; "" if there is none. During a problem, the solver is restarted or
+ * asked again; the last equilibria correct forces up to a finger radius from them. Any thread. */
 PALPATE_API palpate_status palpate_live_trouble(const palpate_live* live, char* text,
                                                 size_t capacity);
 
