@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Checks that verbs, options and scripts in the documentation exist; pages_run_test.py runs the commands. By hand
-PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
+"""Checks that verbs, options and scripts in the documentation exist, and that promtool confirms an alert. pages_run_test.py
+runs the commands. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
 import functools
+import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -70,6 +73,22 @@ class DocsCommands(unittest.TestCase):
                 wrong.append(f"{where}: {script} cannot be run")
         self.assertEqual(wrong, [])
         self.assertGreater(seen, 10)
+
+    @unittest.skipUnless(shutil.which("promtool"), "NOT TESTED: promtool (Debian: prometheus)")
+    def testTheAlertForReadyTransitionsFiresOnlyWithoutWorkers(self):
+        page = (ROOT / "docs/metrics.md").read_text(encoding="utf-8")
+        alert = re.search(r"^- `(palpate_ready_transitions .*)`$", page, re.M)[1]
+        series = {f'palpate_ready_transitions{{instance="{build}",job="palpate"}}': "5 5" for build in ("busy", "idle")}
+        series['palpate_workers{instance="busy",job="palpate",host="node1",state="busy"}'] = "2 2"
+        expected = [{"exp_labels": {"instance": "idle", "job": "palpate"}}]
+        with tempfile.TemporaryDirectory() as folder:
+            rules, tests = pathlib.Path(folder, "rules.json"), pathlib.Path(folder, "tests.json")
+            rules.write_text(json.dumps({"groups": [{"name": "docs", "rules": [{"alert": "NoWorkers", "expr": alert}]}]}))
+            tests.write_text(json.dumps({"rule_files": [str(rules)], "tests": [
+                {"interval": "1m", "input_series": [{"series": name, "values": values} for name, values in series.items()],
+                 "alert_rule_test": [{"eval_time": "1m", "alertname": "NoWorkers", "exp_alerts": expected}]}]}))
+            done = subprocess.run(["promtool", "test", "rules", tests], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
 
 if __name__ == "__main__":
