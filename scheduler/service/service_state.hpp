@@ -80,7 +80,8 @@ struct ServiceState {
   Chronicle chronicle = Chronicle(problem, settings.events, now);
 
   bool stopping = false, paused = tables.paused(), complete = false, dismissed = false;
-  std::vector<KeptOut> liars = {};  ///< workers to exclude; if any, another Build must follow
+  /// Workers to exclude. If not empty, a new Build replays the journal without their results.
+  std::vector<KeptOut> liars = {};
   /// Number of turns since an operator's retry dropped recorded failures; none without a retry. By
   /// the second turn, the answer to the operator has been sent.
   std::optional<int> turns_since_retry = std::nullopt;

@@ -79,7 +79,8 @@ class HapticDevice {
   virtual void halt() noexcept = 0;
   virtual void resume() noexcept = 0;
 
-  /// Moves the tool of the mouse. Only the drawing thread calls this; other devices ignore it.
+  /// Moves the tool that the mouse controls. Only the drawing thread calls this; other devices
+  /// ignore it.
   virtual void moveTo(const MouseTarget& /*target*/) noexcept {}
   /// Returns whether this device is the mouse, whose tool moveTo() moves.
   virtual bool isMouse() const { return false; }

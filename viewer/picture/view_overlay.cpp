@@ -27,7 +27,8 @@ constexpr float help_gap = 18, hint_above_scale = 84;
 constexpr float narrow_view = 760;  // in a narrower view, legends and scale are above the hint
 constexpr float border_width = 1, ring_width = 2.5F, ring_edge_width = 4.5F;
 constexpr double view_edge = 4;
-constexpr float widest_name = 0.7F;  // share of the view; a wider name would end under the messages
+constexpr float widest_name = 0.7F;  // largest width of a name at the upper right, as a share of
+                                     // the view; a wider one would end under the messages
 constexpr ImU32 sentence_ground = IM_COL32(255, 255, 255, 235);
 constexpr ImU32 ring_colour = IM_COL32(255, 196, 92, 255), ring_edge = IM_COL32(60, 36, 8, 150);
 constexpr int ring_corners = 40;

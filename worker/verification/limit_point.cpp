@@ -56,8 +56,8 @@ double stretchOfLimitPoint() {
   return stable;
 }
 
-/// Raises the pressure as long as there is a stable equilibrium, by ever smaller steps. Returns
-/// rows for the last pressure and its stretch.
+/// Raises the pressure while there is a stable equilibrium, and halves the step when there is none.
+/// Returns rows for the last pressure and its stretch.
 std::vector<Row> rowsOfLastLoad() {
   Rig rig(cube());
   double reached = 0, step = 1000;
