@@ -301,7 +301,8 @@ class ViewSession {
     doubtPosition();
     if (retired_ && isRetiredUnused()) retired_.reset();
     if (build_) lookAtBuild();
-    // The build replaces and removes the file of its results so far.
+    // Until the complete dataset is loaded, the loaded file is a temporary one. The build itself
+    // overwrites and removes such files, which needs no notice.
     const bool grows = unsolved_ && loaded_->first().file() != options_.build;
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
     if (grows || !replaced || !status_.notice.empty()) return;

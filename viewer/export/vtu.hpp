@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// Returns the bytes of a .vtu file. The units of arrays and the texts of the grid are attributes
-/// (of arrays and of VTKFile) that readers ignore.
+/// Returns the bytes of a .vtu file. The unit of each array is an attribute of its DataArray, and
+/// the grid's texts are attributes of VTKFile. Programs that read the file ignore both.
 std::string vtuBytes(const Grid& grid);
 
 /// A file of a series, and the time at which ParaView shows it.

@@ -129,9 +129,9 @@ class AreaField {
   };
   /// Error estimate and coverage at a slot of a site's lattice.
   struct Doubt {
-    /// Relative error of the force if it is interpolated from the sites around this site instead of
-    /// the site's own data, divided by the square root of that interpolation's
-    /// HermiteWeights::power.
+    /// Leave-one-out error of the force, which is interpolated from the surrounding sites without
+    /// this site's own data. The error is relative to the force, and divided by the square root of
+    /// the HermiteWeights::power of this interpolation.
     float lack = 0;
     float coverage = 0;  ///< as ForceSample::coverage
   };

@@ -29,9 +29,10 @@ template <class Factor>
 #endif
 }
 
-/// Adds the jets of 8 corners to `sums`, and computes `values` from them. value_factors and sums
-/// hold two packs per corner; a jet has ten columns, one per quantity. Passes over the jets only
-/// once, because none of them is in a cache when the tool reaches a new place.
+/// Adds the jets of 8 corners to `sums`, each quantity times its entry of `factors`. Also evaluates
+/// the ten quantities of these jets with the weights `value_factors`, and stores them in `values`.
+/// `sums` and `value_factors` hold two packs per corner; a jet has one column per quantity. Passes
+/// over the jets only once, because none is in a cache when the tool reaches a new place.
 PALPATE_PER_CPU_FAMILY void addJets(const std::array<const SiteJet*, 8>& jets, const float* factors,
                                     const float* value_factors, float* sums,
                                     float* values) noexcept {

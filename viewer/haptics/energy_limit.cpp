@@ -129,8 +129,8 @@ EnergyLimit::Outward EnergyLimit::outward(const Eigen::Vector3d& direction,
 }
 
 /// Returns the energy that is left when the next force begins to act, J. Until then the device
-/// holds the last forces that were written. If it holds a force for longer than a period, it skips
-/// some of them. It is unknown which, so the larger work is assumed.
+/// holds the last forces that were written. A device that holds a force for longer than a period
+/// skips some of the written forces. It is unknown which, so the larger work is assumed.
 double EnergyLimit::available(const Outward& path) const noexcept {
   constexpr double jitter = 0.25;  // of a period
   const auto more =

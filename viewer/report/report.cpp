@@ -74,8 +74,8 @@ LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   return measures;
 }
 
-/// Returns the lattice of all points of the first dataset if its errors can be measured, otherwise
-/// the densest lattice whose errors can be measured.
+/// Returns the complete lattice of the first dataset if its errors can be measured, otherwise the
+/// densest lattice whose errors can be measured.
 std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattices,
                                       const HeldOut& held_out) {
   std::optional<std::size_t> measured;

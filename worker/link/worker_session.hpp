@@ -51,7 +51,7 @@ class WorkerSession {
   /// The caller's next action after advance().
   enum class Next : std::uint8_t {
     go_on,    ///< call advance() again after messages, a wake-up or 50 ms
-    connect,  ///< reconnect after long silence, then call connected()
+    connect,  ///< the scheduler was silent for long: reconnect, then call connected()
     end,      ///< end the process with exitCode(); the goodbye is sent
     anew,     ///< restart with wantedKernels(), as the same worker
     killed    ///< the solver hangs: end at once, without a message

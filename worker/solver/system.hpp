@@ -145,8 +145,8 @@ class System {
   /// Returns the neighbourhood of the `count` nodes nearest to the chosen rigid tool, or of all
   /// nodes if there are fewer.
   Neighborhood neighborhood(std::size_t count) const;
-  /// Assembles the equations of the neighbourhood's unknowns only. `residual` has their rows of
-  /// Residual::free, `tangent` is the full symmetric matrix.
+  /// Assembles the equations of the neighbourhood's unknowns only. `residual` gets their
+  /// entries of Residual::free, and `tangent` both triangles of their symmetric matrix.
   void assemble(const State& state, const Neighborhood& neighborhood, Eigen::VectorXd& residual,
                 Eigen::MatrixXd& tangent) const;
 

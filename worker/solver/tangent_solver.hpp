@@ -32,8 +32,9 @@ class TangentSolver {
   /// The report on the factors, with negative_pivots for the present border.
   const Factorization& factorization() const { return factorization_; }
 
-  /// Overwrites `columns` with the solutions for the last factorised tangent, right to about five
-  /// digits in single precision. Returns false if MUMPS reports an error.
+  /// Replaces the right-hand sides in `columns` by the solutions for the last factorised tangent.
+  /// With factors in single precision, about five digits are right. Returns false if MUMPS reports
+  /// an error.
   [[nodiscard]] bool solve(Eigen::Ref<Eigen::MatrixXd> columns);
 
   struct Refined {
