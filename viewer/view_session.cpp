@@ -301,8 +301,7 @@ class ViewSession {
     doubtPosition();
     if (retired_ && isRetiredUnused()) retired_.reset();
     if (build_) lookAtBuild();
-    // Until the complete dataset is loaded, the loaded file is a temporary one. The build itself
-    // overwrites and removes such files, which needs no notice.
+    // Until the complete dataset is loaded, the build itself overwrites or removes the loaded file.
     const bool grows = unsolved_ && loaded_->first().file() != options_.build;
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
     if (grows || !replaced || !status_.notice.empty()) return;

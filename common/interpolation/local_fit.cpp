@@ -205,8 +205,8 @@ Eigen::VectorXd LocalFits::fitted(const Factors& factors, const std::vector<FitS
 
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
   PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "solved points must have first derivatives");
-  // Sums of squared residuals of difference quotients, with the prediction of the derivative and
-  // without it.
+  // Sums of squared difference quotients, after and before subtraction of the changes that the
+  // derivative predicts.
   double with = 0, without = 0;
   for (const FitSource& source : around) {
     const Eigen::Vector3d step =

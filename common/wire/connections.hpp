@@ -23,8 +23,8 @@ struct PeerLimits {
   /// Largest number of simultaneous connections. The default is the process's limit on file
   /// descriptors minus a reserve for the process itself.
   std::optional<std::size_t> connections = std::nullopt;
-  /// Largest number of silent connections, that is, of those from which no message was received.
-  /// For each of them, libzmq may have an incomplete frame of 128 kB in memory.
+  /// Largest number of silent connections, from which no message was received. For each of them,
+  /// libzmq may have an incomplete frame of 128 kB in memory.
   std::size_t silent = 4096;
 };
 

@@ -144,7 +144,7 @@ void SecondSolves::differs(const Worker& worker, const wire::Result& first,
 void SecondSolves::contradict(const Worker& worker, const wire::Result& result) {
   const std::string reason = fmt::format("it gave differing results of {}", textOf(keyOf(result)));
   // Count the rest of its machine as right, so that at first only this process is excluded: other
-  // workers on the machine, or with the key, may not be involved.
+  // workers on the machine, or with the key, may be honest.
   wire::Provenance neighbour = worker.provenance;
   neighbour.clear_worker();
   findLiars({.right = {neighbour}, .wrong = {worker.provenance}}, reason);

@@ -135,8 +135,7 @@ class SpotChecks {
   std::int64_t results_ = 0, odd_picked_ = 0, failed_picked_ = 0;
   std::vector<double> oddness_;  ///< oddness of the latest results, as a ring buffer
   std::size_t next_ = 0;         ///< next entry to overwrite
-  /// oddness above which a result is odd; about settings_.share / 8 of the latest
-  /// results exceed it
+  /// results with a greater oddness are odd: about settings_.share / 8 of the latest ones
   double odd_from_;
 };
 

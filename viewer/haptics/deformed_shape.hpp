@@ -13,10 +13,10 @@ namespace palpate {
 /// Displacements are blended like forces, u = sum w_i u_i(p). In u_i it is the active node of space
 /// i that moves by p, not the anchor, and u_i is interpolated between lattice points. The blended
 /// surface would therefore miss the tool. A smooth correction makes the anchor move by exactly p
-/// (to float32). It adds the missing displacement times a bump (1 - (r/R)^2)^2, with r the distance
-/// from the anchor at rest and R twice the length of the longest edge at each corner of the
-/// anchor's triangle, interpolated to the anchor. The bump is C1. The correction is for appearance,
-/// not mechanics, and changes nothing outside R.
+/// (to float32). It adds the missing displacement times the bump (1 - (r/R)^2)^2, where r is the
+/// distance from the anchor at rest. Each corner of the anchor's triangle has twice the length of
+/// its longest edge as radius; R is interpolated from these radii to the anchor. The bump is C1.
+/// The correction is for appearance, not mechanics, and changes nothing outside R.
 ///
 /// One thread at a time. Allocates only at construction.
 class DeformedShape {

@@ -13,8 +13,8 @@
 namespace palpate {
 namespace {
 
-/// Distance from a site, in finger radii, to which it influences the forces of its area: the reach
-/// of a collocation point, plus the distance from there to the farthest of the seven nearest sites.
+/// Distance, in finger radii, up to which a site influences the forces of its area: the reach of a
+/// collocation point, plus the distance from there to the farthest of the seven nearest sites.
 constexpr double influence_radii = 1.2;
 
 /// Returns the radius of the finger, or of the patch around the active node, m.

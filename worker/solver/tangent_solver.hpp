@@ -32,9 +32,8 @@ class TangentSolver {
   /// The report on the factors, with negative_pivots for the present border.
   const Factorization& factorization() const { return factorization_; }
 
-  /// Replaces the right-hand sides in `columns` by the solutions for the last factorised tangent.
-  /// With factors in single precision, about five digits are right. Returns false if MUMPS reports
-  /// an error.
+  /// Replaces the right-hand sides in `columns` by solutions for the last factorised tangent.
+  /// Single precision makes about five digits right. Returns false if MUMPS reports an error.
   [[nodiscard]] bool solve(Eigen::Ref<Eigen::MatrixXd> columns);
 
   struct Refined {

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Step of the central differences, in mean edge lengths, which is about the strain that it causes.
+/// Step of the central differences, in mean edge lengths. The strain that it causes is about equal.
 /// The truncation error grows with the square of the step, round-off with its inverse.
 constexpr double difference = 1e-4;
 
