@@ -33,7 +33,7 @@ class TangentSolver {
   const Factorization& factorization() const { return factorization_; }
 
   /// Replaces the right-hand sides in `columns` by solutions for the last factorised tangent.
-  /// Single precision makes about five digits right. Returns false if MUMPS reports an error.
+  /// In single precision, about five digits are right. Returns false if MUMPS reports an error.
   [[nodiscard]] bool solve(Eigen::Ref<Eigen::MatrixXd> columns);
 
   struct Refined {
