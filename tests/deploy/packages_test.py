@@ -130,6 +130,8 @@ class Site(unittest.TestCase):
         output("env", "PALPATE_GALLERY=none", "PALPATE_DATASET=none", ROOT / "deploy/site")
         pages = {path: Links(path.read_text(encoding="utf-8")) for path in (ROOT / "build/site").rglob("*.html")}
         self.assertGreater(len(pages), len(list((ROOT / "docs").rglob("*.md"))))
+        for name, part in (("options", 'id="palpate-build"'), ("c", "palpate_contact_update"), ("python", "Contact.update")):
+            self.assertIn(part, (ROOT / f"build/site/reference-{name}.html").read_text(encoding="utf-8"))
         wrong = []
         for page, found in pages.items():
             if page.name == "404.html":  # its links start at the root of a server
