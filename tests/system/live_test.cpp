@@ -71,6 +71,17 @@ class LiveTest : public ::testing::Test {
             keep(in.readList<Eigen::Vector3d>("/contact/displacement")),
             keep(in.readList<Eigen::Vector3d>("/force/raw"))};
   }
+  /// Returns for each contact of a recording whether its first force was computed, not guessed.
+  static std::vector<bool> computedAtContacts(const char* file) {
+    hdf5::Reader in(*directory_ / file);
+    in.findArrays();
+    const auto touching = in.readList<std::uint8_t>("/contact/touching");
+    const auto inside = in.readList<std::uint8_t>("/contact/inside");
+    std::vector<bool> computed;
+    for (std::size_t n = 1; n < touching.size(); ++n)
+      if (touching[n] != 0 && touching[n - 1] == 0) computed.push_back(inside[n] != 0);
+    return computed;
+  }
   static Eigen::Vector3d solved(const char* scene, const Eigen::Vector3d& s,
                                 const Eigen::Vector3d& p) {
     const test::CommandResult done = test::runCommand(
@@ -114,6 +125,19 @@ TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {
               directory_->path());
   ASSERT_EQ(run.wait(), 0) << run.output();
   expectFollowed(touchesIn("scene.h5"), "stiff.toml");
+  EXPECT_FALSE(computedAtContacts("scene.h5").at(0));
+}
+
+TEST_F(LiveTest, FinishedSitesReplaceTheGuessUnderTheHand) {
+  Process run("palpate-viewer",
+              {"view", "cube.toml", "--headless", "--hand-speed", "0.05", "--build", "grown.h5",
+               "--duration", "20", "--record", "grown-run.h5"},
+              directory_->path());
+  ASSERT_EQ(run.wait(), 0) << run.output();
+  const std::vector<bool> computed = computedAtContacts("grown-run.h5");
+  ASSERT_GT(computed.size(), 1u);
+  EXPECT_TRUE(computed.back()) << run.output();
+  expectFollowed(touchesIn("grown-run.h5"));
 }
 
 TEST_F(LiveTest, ASceneIsBuiltWhileItIsTouched) {
