@@ -71,16 +71,14 @@ class HapticModel {
   void preparePressures(const std::stop_token& stop = {});
 
   const std::string& name() const { return scene_.name; }  ///< name of the scene
-  const std::vector<Region>& regions() const {
-    return scene_.regions;
-  }  ///< materials, at least one
+  /// Returns the materials, at least one.
+  const std::vector<Region>& regions() const { return scene_.regions; }
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
   ContentId buildId() const { return build_; }                ///< Dataset::buildId
   ContactMode contactMode() const { return scene_.contact; }  ///< mode that the scene requests
-  double maxForce() const {
-    return scene_.workspace.max_force;
-  }  ///< N; the force limit of the scene
+  /// Returns the force limit of the scene, N.
+  double maxForce() const { return scene_.workspace.max_force; }
   /// Returns the radius of the tool of a space, m: the radius of the finger or of the patch around
   /// the active node; 0 for a single node.
   double toolRadius(std::size_t space) const { return tool_radii_[space]; }

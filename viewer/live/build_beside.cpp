@@ -39,7 +39,9 @@ std::optional<int> exitCodeOf(pid_t child) {
 bool palpate(std::vector<std::string> words) {
   words.insert(words.begin(), programBeside("palpate").string());
   try {
-    return runToItsEnd({.words = std::move(words), .package = "palpate"}).exit_code == 0;
+    const Ran done = runToItsEnd({.words = std::move(words), .package = "palpate"});
+    if (done.exit_code != 0) spdlog::debug("{}", done.err);  // for instance no results yet
+    return done.exit_code == 0;
   } catch (const Error& error) {
     spdlog::debug("{}", error.what());  // for instance a scheduler that answers too late
     return false;
@@ -113,8 +115,9 @@ void BuildBeside::passPreference() {
     space = farthest != preferred_.rend() ? *farthest : preferred_.front();
   }
   if (space == passed_) return;
-  next_try_ = Clock::now() + 300ms;
+  next_try_ = Clock::now() + 1s;
   if (!palpate({"priority", stateOf(output_), space, std::to_string(++priority_)})) return;
+  next_try_ = Clock::now() + 300ms;
   raised_.insert(space);
   passed_ = space;
 }

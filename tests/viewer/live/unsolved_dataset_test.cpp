@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/dataset/dataset.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
-#include "viewer/haptics/haptic_model.hpp"
+#include "viewer/haptics/contact.hpp"
 
 namespace palpate {
 namespace {
@@ -23,6 +25,23 @@ TEST(UnsolvedDataset, CanBeTouchedByAGuessEverywhereOnTheAreaOfAFinger) {
   const AreaSample pressed = model.area(0).evaluate({0.05, 0.05, 0.1}, {0, 0, -0.005});
   EXPECT_GT(pressed.force[2], 0.1);
   EXPECT_LT(pressed.force[2], 5);
+}
+
+/// A single site has no other site from which its error could be estimated.
+TEST(UnsolvedDataset, TheGuessOfASingleSiteIsBoundedByItsForce) {
+  Problem problem = test::FingerBody().problem;
+  problem.active.resize(1);
+  problem.scene.active.resize(1);
+  problem.active[0].finger->radius = problem.scene.active[0].radius = 0.06;
+  const UnsolvedDataset unsolved(problem);
+  const HapticModel model(Dataset(unsolved.file()), {.guess = true});
+  const Eigen::Vector3d place = problem.active[0].finger->center, push(0, 0, -0.004);
+  ASSERT_TRUE(std::isnan(model.area(0).evaluate(place, push).error_bound));
+  Contact contact(model);
+  contact.update(place + Eigen::Vector3d(0, 0, 0.001));
+  const Touch& touch = contact.update(place + push);
+  ASSERT_TRUE(touch.touching);
+  EXPECT_GE(touch.error_bound, touch.force.norm());
 }
 
 TEST(UnsolvedDataset, IsRemovedWithItsFolder) {
