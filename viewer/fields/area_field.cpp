@@ -21,41 +21,27 @@ constexpr double collocation_distance = 0.3;
 /// multiple of site_distance. Even the farthest place then has two or three points within reach. A
 /// smaller reach makes the blend steeper and the drive less accurate.
 constexpr double reach_in_distances = 1.4;
-/// Number of sites from which a collocation point is interpolated, and number of sites from which
-/// another site is interpolated to estimate its error.
-constexpr std::size_t sites_of_collocation_point = 7, sites_of_judgement = 6;
+/// Number of sites from which a collocation point is interpolated.
+constexpr std::size_t sites_of_collocation_point = 7;
 /// Width of the kernel, in finger radii. Between 1 and 2 the errors differ by less than a third.
 constexpr double kernel_width = 1.5;
-/// Factors of the four terms of an area's error bound:
+/// Factors of the three terms of an area's error bound:
 /// - share_of_p_error multiplies the bound for interpolation in p at each site.
-/// - share_of_lack multiplies the relative error of each site when it is interpolated from the
-///   sites around it. The error is scaled from the site to the place by the square root of a ratio.
-///   The ratio is the power (HermiteWeights) at the place, divided by the power at the site without
-///   its own data. For functions that are not smooth the factor would be 1, and for smooth ones the
-///   ratio itself; the root lies between.
-/// - share_of_power multiplies the power at the place.
+/// - share_of_order_difference multiplies the difference of the force from that of lower order in
+/// s.
 /// - share_of_force is a constant relative error, for interpolation to collocation points.
 ///
-/// The last three are relative to the force. docs/internals/thresholds.md explains how all were
-/// chosen.
-constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
-                 share_of_force = 0.003;
-/// Smallest force by which an error is divided to get a relative error, as a share of the site's
-/// largest force.
-constexpr float weakest_share = 0.01f;
-/// Preparing a site takes about as long as interpolating to this many collocation points, or as
-/// judging this many sites.
+/// docs/internals/thresholds.md explains how they were chosen.
+constexpr double share_of_p_error = 0.6, share_of_order_difference = 2, share_of_force = 0.0035;
+/// Preparing a site takes about as long as interpolating to this many collocation points.
 constexpr std::size_t work_of_site = 16;
 /// Largest number of levels of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
 
-/// Returns the indices of the `count` points nearest to `place`, nearest first, without the index
-/// `except`.
+/// Returns the indices of the `count` points nearest to `place`, nearest first.
 std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
-                                   const Eigen::Vector3d& place, std::size_t count,
-                                   std::size_t except) {
+                                   const Eigen::Vector3d& place, std::size_t count) {
   std::vector<std::size_t> numbers = countUp<std::size_t>(points.size());
-  if (except < numbers.size()) numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(except));
   count = std::min(count, numbers.size());
   std::ranges::partial_sort(
       numbers, numbers.begin() + static_cast<std::ptrdiff_t>(count), {},
@@ -86,22 +72,23 @@ class Interpolation {
     weights_ = hermiteWeights(place, mapped(from, center), width);
   }
 
-  /// Interpolates the first `quantities` of the ten quantities at a lattice point.
-  template <int quantities = place_quantities>
-  Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(
-      const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point) const {
-    Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> sum = decltype(sum)::Zero();
+  /// Interpolates the quantities at a lattice point to `jet`, and
+  /// HermiteWeights::order_difference to `difference`.
+  void at(const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point, SiteJet& jet,
+          QuantityJet& difference) const {
+    jet.setZero();
+    difference.setZero();
     for (std::size_t n = 0; n < from.size(); ++n) {
-      const Eigen::Matrix<float, quantities, place_quantities> block =
-          weights_.coefficients.block<quantities, place_quantities>(
-              0, place_quantities * static_cast<Eigen::Index>(n));
+      const auto column = place_quantities * static_cast<Eigen::Index>(n);
+      const Eigen::Matrix<float, place_quantities, place_quantities> block =
+          weights_.coefficients.middleCols<place_quantities>(column);
       const SiteJets& site = *made[from[n]];
-      sum += site.at(site.placeOf(point)).lazyProduct(block.transpose());
+      const SiteJet of_site = site.at(site.placeOf(point));
+      jet += of_site.lazyProduct(block.transpose());
+      difference += of_site.lazyProduct(
+          weights_.order_difference.segment<place_quantities>(column).transpose());
     }
-    return sum;
   }
-
-  double power() const { return weights_.power; }
 
   const std::vector<std::size_t> from;
 
@@ -139,27 +126,46 @@ struct AreaField::LevelSum {
   double edge = 0;
   Eigen::Vector3d local;
   JetSums sums;  ///< sums of w Q, a polynomial that is E times the sum of w
+  /// sums of w times the order differences at the corners of the leaf
+  std::array<QuantityJet, 8> order_differences;
 
   void begin(double leaf_edge, double spacing, const Eigen::Vector3d& place) noexcept {
     begun = true;
     edge = leaf_edge;
     local = place;
     sums.begin(valueBasis(edge, spacing, local));
+    order_differences.fill(QuantityJet::Zero());
   }
 
   /// Divides the sums by `whole`, the sum of all weights, and adds the energy and its derivatives
   /// to a sample.
   void addTo(AreaSample& sample, double whole, double spacing) const noexcept {
-    std::array<EnergyJet, 8> jets;
-    LeafJets leaf;
-    for (std::size_t c = 0; c < 8; ++c) {
-      for (std::size_t n = 0; n < jets[c].size(); ++n) jets[c][n] = sums.sum(c, n) / whole;
-      leaf[c] = &jets[c];
-    }
-    const EnergySample energy = evaluateEnergy(leaf, edge, spacing, local);
+    const EnergySample energy =
+        evaluated(spacing, [&](std::size_t c, std::size_t n) { return sums.sum(c, n) / whole; });
     sample.energy += energy.energy;
     sample.force += energy.force;
     sample.stiffness += energy.stiffness;
+  }
+  /// Returns the difference of the forces of both orders, N, times the sum of all weights.
+  Eigen::Vector3d orderDifference(double spacing) const noexcept {
+    return evaluated(
+               spacing,
+               [&](std::size_t c, std::size_t n) {
+                 return static_cast<double>(order_differences[c][static_cast<Eigen::Index>(n)]);
+               })
+        .force;
+  }
+
+ private:
+  template <class Number>
+  EnergySample evaluated(double spacing, Number number) const noexcept {
+    std::array<EnergyJet, 8> jets;
+    LeafJets leaf;
+    for (std::size_t c = 0; c < 8; ++c) {
+      for (std::size_t n = 0; n < jets[c].size(); ++n) jets[c][n] = number(c, n);
+      leaf[c] = &jets[c];
+    }
+    return evaluateEnergy(leaf, edge, spacing, local);
   }
 };
 
@@ -217,7 +223,7 @@ AreaField::CollocationPoints AreaField::collocationPointsOf(
 
 void AreaField::prepareAll(const std::function<void(double)>& progress) {
   std::atomic<std::size_t> work_done = 0;
-  const std::size_t work = (work_of_site + 1) * siteCount() + collocationPointCount();
+  const std::size_t work = work_of_site * siteCount() + collocationPointCount();
   const auto did = [&](std::size_t more) {
     const std::size_t done = work_done += more;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(work));
@@ -251,7 +257,6 @@ void AreaField::prepare(const std::vector<std::size_t>& collocation_points,
     if (isJudged(site)) continue;
     new_judged.push_back(site);
     need({site});
-    need(sitesOfJudgement(site));
   }
   if (new_collocation_points.empty() && new_judged.empty()) return;
   const std::vector<std::size_t> new_sites(sites.begin(), sites.end());
@@ -270,11 +275,7 @@ void AreaField::prepare(const std::vector<std::size_t>& collocation_points,
     interpolateTo(new_collocation_points[n]);
     did(1);
   });
-  for (const std::size_t site : new_judged) beginJudgement(site);
-  inParallel(new_judged.size(), [&](std::size_t n) {
-    judge(new_judged[n]);
-    did(1);
-  });
+  for (const std::size_t site : new_judged) judge(site);
 }
 
 bool AreaField::makeOneOf(const std::vector<std::size_t>& sites) {
@@ -297,8 +298,7 @@ bool AreaField::prepareNext(const Eigen::Vector3d& s) {
   }
   for (const std::size_t site : sitesAt(s)) {
     if (isJudged(site)) continue;
-    if (makeOneOf({site}) || makeOneOf(sitesOfJudgement(site))) return true;
-    beginJudgement(site);
+    if (makeOneOf({site})) return true;
     judge(site);
     return true;
   }
@@ -306,8 +306,7 @@ bool AreaField::prepareNext(const Eigen::Vector3d& s) {
 }
 
 bool AreaField::prepareSite(const Eigen::Vector3d& s) {
-  return made_count_ < siteCount() &&
-         makeOneOf(nearestOf(sites_.points(), s, siteCount(), siteCount()));
+  return made_count_ < siteCount() && makeOneOf(nearestOf(sites_.points(), s, siteCount()));
 }
 
 std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
@@ -337,11 +336,7 @@ bool AreaField::isPreparedAt(const Eigen::Vector3d& s) const noexcept {
 
 std::vector<std::size_t> AreaField::sitesOfCollocationPoint(std::size_t collocation_point) const {
   return nearestOf(sites_.points(), collocation_points_.points()[collocation_point],
-                   sites_of_collocation_point, siteCount());
-}
-
-std::vector<std::size_t> AreaField::sitesOfJudgement(std::size_t site) const {
-  return nearestOf(sites_.points(), sites_.points()[site], sites_of_judgement, site);
+                   sites_of_collocation_point);
 }
 
 void AreaField::beginCollocationPoint(std::size_t collocation_point) {
@@ -359,62 +354,27 @@ void AreaField::interpolateTo(std::size_t collocation_point) {
                  "the sites must be prepared before the collocation point");
   const CellTree& tree = trees_[at_collocation_points_[collocation_point].tree];
   std::vector<SiteJet>& jets = at_collocation_points_[collocation_point].jets;
+  std::vector<QuantityJet>& differences =
+      at_collocation_points_[collocation_point].order_differences;
   jets.resize(tree.slots().size());
+  differences.resize(jets.size());
   const Interpolation interpolation(sites_.points(), sitesOfCollocationPoint(collocation_point),
                                     collocation_points_.points()[collocation_point],
                                     kernel_width * finger_);
-  at_collocation_points_[collocation_point].power = interpolation.power();
+  // The jets of hanging slots are replaced below.
   for (std::size_t slot = 0; slot < jets.size(); ++slot)
-    if (tree.slots()[slot].kind != SlotKind::hanging)
-      jets[slot] = interpolation.at(made_, tree.slots()[slot].point);
+    interpolation.at(made_, tree.slots()[slot].point, jets[slot], differences[slot]);
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf(tree, jets, leaf, local);
   });
 }
 
-void AreaField::beginJudgement(std::size_t site) {
-  judgements_[site].tree = treeOf(*spaces_[site], spaces_[site]->splits);
-}
-
 void AreaField::judge(std::size_t site) {
-  PALPATE_ASSERT(made_[site].has_value(), "a site must be prepared before its error is estimated");
-  const SiteJets& own = *made_[site];
-  judgements_[site].region = own.region;
-  std::vector<Doubt>& doubts = judgements_[site].doubts;
-  judgements_[site].p_error = own.p_error;
-  for (std::size_t slot = 0; slot < own.jets.size(); ++slot)
-    doubts.push_back({std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
-  if (siteCount() == 1) return;
-  const Interpolation others(sites_.points(), sitesOfJudgement(site), siteCenter(site),
-                             kernel_width * finger_);
-  const CellTree& tree = own.tree;
-  const auto share = static_cast<float>(share_of_lack / std::sqrt(others.power()));
-  const auto slopeOf = [](const auto& jet) {
-    return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
-  };
-  float strongest = std::numeric_limits<float>::min();
-  for (const SiteJet& jet : own.jets) strongest = std::max(strongest, slopeOf(jet).norm());
-  // Away from rest, some forces nearly vanish; their relative errors would be meaningless.
-  const float weakest = weakest_share * strongest;
-  float worst = 0, least = std::numeric_limits<float>::infinity();
-  for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
-    const auto number = spaces_[site]->lattice.indexOf(tree.slots()[slot].point);
-    // The force at rest is zero, so it has no relative error.
-    if (!number || *number == 0 || !isSolved(spaces_[site]->points[at(*number)].tag)) continue;
-    const Eigen::Vector3f slope = slopeOf(own.jets[slot]);
-    const Eigen::Vector3f difference =
-        slopeOf(others.at<1>(made_, tree.slots()[slot].point)) - slope;
-    const float lack = share * difference.norm() / std::max(slope.norm(), weakest);
-    doubts[slot].lack = lack;
-    worst = std::max(worst, lack);
-    least = std::min(least, lack);
-  }
-  // If only the point at rest is solved, nothing could be compared, and `worst` is still 0.
-  if (worst == 0) worst = least = share;
-  // Unsolved points get the largest error of the solved points, the point at rest the smallest.
-  for (std::size_t slot = 0; slot < doubts.size(); ++slot)
-    if (std::isnan(doubts[slot].lack))
-      doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
+  PALPATE_ASSERT(made_[site].has_value(), "a site must be prepared before it is judged");
+  judgements_[site] = {.tree = treeOf(*spaces_[site], spaces_[site]->splits),
+                       .coverage = made_[site]->coverage,
+                       .p_error = made_[site]->p_error,
+                       .region = made_[site]->region};
 }
 
 struct AreaField::NearCollocationPoint {
@@ -530,7 +490,7 @@ AreaSample AreaField::beyondRegion(const Eigen::Vector3d& s, const PlacedEdge& e
 AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
   std::array<LevelSum, most_levels + 1> levels;
   LevelSum* level = nullptr;
-  double spacing = 0, whole = 0, power = 0;
+  double spacing = 0, whole = 0;
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
   eachCollocationPoint(s, p, [&](const NearCollocationPoint& near) {
     if (near.is_new_tree) {
@@ -543,7 +503,10 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
     const JetSums::Quantities values =
         level->sums.add(near.jets(), static_cast<float>(near.weight) * factors);
     whole += near.weight;
-    power += near.weight * near.collocation_point->power;
+    const LeafCorners& slots = near.tree->corners(near.place.leaf);
+    for (std::size_t c = 0; c < 8; ++c)
+      level->order_differences[c] +=
+          static_cast<float>(near.weight) * near.collocation_point->order_differences[at(slots[c])];
     whole_slope += near.weight_slope;
     slope += static_cast<double>(factors.dot(values)) * near.weight_slope +
              near.weight * slopeAt(offset, values).cast<double>();
@@ -551,11 +514,15 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   if (whole < std::numeric_limits<double>::min()) return {};
   AreaSample sample;
   sample.energy = 0;
-  for (const LevelSum& sum : levels)
-    if (sum.begun) sum.addTo(sample, whole, spacing);
+  Eigen::Vector3d difference = Eigen::Vector3d::Zero();
+  for (const LevelSum& sum : levels) {
+    if (!sum.begun) continue;
+    sum.addTo(sample, whole, spacing);
+    difference += sum.orderDifference(spacing);
+  }
   // This is -d/ds of the quotient E = sum of w Q / sum of w.
   sample.drive = (sample.energy * whole_slope - slope) / whole;
-  addJudgement(s, p, power / whole, sample);
+  addJudgement(s, p, difference.norm() / whole, sample);
   return sample;
 }
 
@@ -583,9 +550,9 @@ Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vec
   return (energy_slope * whole_slope - slope) / whole;
 }
 
-void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double power,
+void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double difference,
                              AreaSample& sample) const noexcept {
-  double whole = 0, error = 0, lack = 0, coverage = 0;
+  double whole = 0, error = 0, coverage = 0;
   eachSite(s, [&](const Judgement& judgement, double weight, const Eigen::Vector3d&) {
     whole += weight;
     const CellTree& tree = trees_[judgement.tree];
@@ -594,18 +561,14 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     const std::array<double, 8> weights = trilinearWeights(place.local);
     error += weight * judgement.p_error.bound(place.leaf, place.local);
     double covered = 0;
-    for (std::size_t c = 0; c < 8; ++c) {
-      const Doubt& doubt = judgement.doubts[at(slots[c])];
-      lack += weight * weights[c] * static_cast<double>(doubt.lack);
-      covered += weights[c] * static_cast<double>(doubt.coverage);
-    }
+    for (std::size_t c = 0; c < 8; ++c)
+      covered += weights[c] * static_cast<double>(judgement.coverage[at(slots[c])]);
     // Rounded to float, so that the coverage is exactly 1 if all corners are solved.
     coverage += weight * static_cast<double>(static_cast<float>(covered));
   });
   if (whole < std::numeric_limits<double>::min()) return;
-  const double share =
-      std::sqrt(power) * lack / whole + share_of_power * power + share_of_force;  // relative error
-  sample.error_bound = share_of_p_error * error / whole + share * sample.force.norm();
+  sample.error_bound = share_of_p_error * error / whole + share_of_order_difference * difference +
+                       share_of_force * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;
 }

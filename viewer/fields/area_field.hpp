@@ -52,10 +52,9 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 ///
 /// E is twice continuously differentiable in s and in p.
 ///
-/// The error bound is a sum of four terms with measured factors (area_field.cpp). One is the bound
-/// for interpolation in p. The other three are proportional to the force: the error of each site
-/// when it is interpolated from the sites around it, the distance of s from the sites
-/// (HermiteWeights::power), and a constant.
+/// The error bound is a sum of three terms with measured factors (area_field.cpp): the bound for
+/// interpolation in p; the difference from the force of an interpolant of lower order in s
+/// (HermiteWeights::order_difference); and a constant share of the force.
 ///
 /// The field can be prepared as a whole or only around a place. Web pages, which must not make the
 /// reader wait, and commands that query few places prepare only around a place. Both give exactly
@@ -106,7 +105,6 @@ class AreaField {
   /// - If no site is within reach of s, the sample is not inside. If no collocation point is within
   ///   reach either, the sample is zero.
   /// - If s is not prepared, the sample is not inside and has no force.
-  /// - With a single site the error bound is NaN, since no other site can check its expansion.
   ///
   /// Real time.
   AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
@@ -124,22 +122,14 @@ class AreaField {
   /// A collocation point: its lattice and the quantities interpolated to it.
   struct CollocationPoint {
     std::size_t tree = 0;
-    std::vector<SiteJet> jets;  ///< per slot of the tree
-    double power = 0;           ///< HermiteWeights::power
-  };
-  /// Error estimate and coverage at a slot of a site's lattice.
-  struct Doubt {
-    /// Leave-one-out error of the force, which is interpolated from the surrounding sites without
-    /// this site's own data. The error is relative to the force, and divided by the square root of
-    /// the HermiteWeights::power of this interpolation.
-    float lack = 0;
-    float coverage = 0;  ///< as ForceSample::coverage
+    std::vector<SiteJet> jets;                   ///< per slot of the tree
+    std::vector<QuantityJet> order_differences;  ///< per slot (HermiteWeights)
   };
   /// Error estimates and answered region of one site.
   struct Judgement {
     std::size_t tree = 0;
-    std::vector<Doubt> doubts;  ///< per slot of the tree
-    FieldError p_error;         ///< error of interpolation in p, in the tree's leaves
+    std::vector<float> coverage;  ///< per slot of the tree, as ForceSample::coverage
+    FieldError p_error;           ///< error of interpolation in p, in the tree's leaves
     AnsweredRegion region;
   };
   /// Edge of the answered region at a place, along one direction.
@@ -154,13 +144,12 @@ class AreaField {
   /// leaves coincide, so their polynomials can be added.
   struct LevelSum;
 
-  // Indices of the sites from which a collocation point or a judgement is computed.
+  /// Returns the indices of the sites from which a collocation point is computed.
   std::vector<std::size_t> sitesOfCollocationPoint(std::size_t collocation_point) const;
-  std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
   bool isInterpolated(std::size_t collocation_point) const {
     return !at_collocation_points_[collocation_point].jets.empty();
   }
-  bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
+  bool isJudged(std::size_t site) const { return !judgements_[site].coverage.empty(); }
   bool isPreparedAt(const Eigen::Vector3d& s) const noexcept;
 
   /// Interpolates to these collocation points and judges these sites, unless that is done already.
@@ -169,12 +158,12 @@ class AreaField {
   void prepare(const std::vector<std::size_t>& collocation_points,
                const std::vector<std::size_t>& judged, const std::function<void(std::size_t)>& did);
   bool makeOneOf(const std::vector<std::size_t>& sites);
-  // Collocation points and judgements are prepared in two parts. The first part, begin..., changes
-  // shared data. The second changes only the collocation point or the judgement, so it can run in
-  // parallel; it requires that the sites it reads are prepared.
+  // Collocation points are prepared in two parts. The first part, begin..., changes shared data.
+  // The second changes only the collocation point, so it can run in parallel; it requires that the
+  // sites it reads are prepared.
   void beginCollocationPoint(std::size_t collocation_point);
   void interpolateTo(std::size_t collocation_point);
-  void beginJudgement(std::size_t site);
+  /// Keeps what later evaluations need of a prepared site.
   void judge(std::size_t site);
   /// Returns the index of the tree for the lattice of `like` with these cells split. Creates the
   /// tree if needed.
@@ -195,8 +184,9 @@ class AreaField {
   PlacedEdge edgeAt(const Eigen::Vector3d& s, const Eigen::Vector3d& unit) const noexcept;
   Eigen::Vector3d driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                              const Eigen::Vector3d& direction, double energy_slope) const noexcept;
-  /// Sets error bound, coverage and `inside` of a sample. power: HermiteWeights::power at s.
-  void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double power,
+  /// Sets error bound, coverage and `inside` of a sample. difference: N, between the forces of both
+  /// orders.
+  void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double difference,
                     AreaSample& sample) const noexcept;
 
   std::vector<const SpaceTable*> spaces_;  ///< spaces of the sites

@@ -108,20 +108,27 @@ HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
           blockOf(sites[row], sites[column], width);
   }
   matrix.diagonal() *= 1 + ridge;
-  // The kernel is 1 at distance 0.
-  const double variance = 1 - to_place.row(0).dot(matrix.ldlt().solve(to_place.row(0).transpose()));
   for (Eigen::Index i = 0; i < n; ++i)
     matrix(i, i) += noise[at(axesOf(static_cast<int>(i % place_quantities)).count)];
   Eigen::MatrixXd coefficients = matrix.ldlt().solve(to_place.transpose()).transpose();
+  std::vector<Eigen::Index> lower_order;  // E and T
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (i % place_quantities < 4) lower_order.push_back(i);
+  Eigen::RowVectorXd order_difference = coefficients.row(0);
+  order_difference(lower_order) -= Eigen::MatrixXd(matrix(lower_order, lower_order))
+                                       .ldlt()
+                                       .solve(Eigen::VectorXd(to_place.row(0)(lower_order)))
+                                       .transpose();
   // Converts the derivatives to metres; in units of the width they are width^order times larger. T
   // and dT/ds are negative derivatives, so their signs change.
   for (Eigen::Index i = 0; i < n; ++i) {
     const int quantity = static_cast<int>(i % place_quantities);
     const double unit = (quantity == 0 ? 1 : -1) * std::pow(width, axesOf(quantity).count);
     coefficients.col(i) *= unit;
+    order_difference[i] *= unit;
     if (i < place_quantities) coefficients.row(i) /= unit;
   }
-  return {coefficients.cast<float>(), std::sqrt(std::max(0.0, variance))};
+  return {coefficients.cast<float>(), order_difference.cast<float>()};
 }
 
 }  // namespace palpate

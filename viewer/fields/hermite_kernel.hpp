@@ -14,10 +14,9 @@ inline constexpr int place_quantities = 10;
 struct HermiteWeights {
   /// Matrix with place_quantities rows, and place_quantities columns per site.
   Eigen::MatrixXf coefficients;
-  /// Power function of the kernel (Wu and Schaback 1993), without noise: standard error of the
-  /// interpolated energy at the place, relative to the standard error without any site. 0 at a
-  /// site.
-  double power = 0;
+  /// First row of `coefficients`, minus the row of an interpolant that does not use dT/ds. It gives
+  /// the difference of the two energies, from which the error is estimated.
+  Eigen::RowVectorXf order_difference;
 };
 
 /// Returns the weights that interpolate the quantities from `sites` to `place`: the quantities at

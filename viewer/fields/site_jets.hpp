@@ -11,6 +11,8 @@ namespace palpate {
 /// The 27 numbers of an EnergyJet (and one for alignment) for each of the ten quantities of a
 /// finger's energy, at one place and one slot.
 using SiteJet = Eigen::Matrix<float, 28, place_quantities>;
+/// The same numbers of one quantity.
+using QuantityJet = Eigen::Matrix<float, SiteJet::RowsAtCompileTime, 1>;
 
 /// Local fits that one thread shares between all sites that it prepares. Beyond the solved points
 /// they extrapolate with polynomials of lower degree than the fits for a single space. This saves

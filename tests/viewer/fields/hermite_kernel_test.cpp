@@ -54,15 +54,21 @@ TEST(HermiteKernelTest, InterpolatesAllTenQuantitiesBetweenThem) {
   EXPECT_LT((found.tail<6>() - exact.tail<6>()).norm(), 0.4 * exact.tail<6>().norm());
 }
 
-TEST(HermiteKernelTest, HasALargePowerFunctionFarFromTheSites) {
-  const auto powerAt = [](const Eigen::Vector3d& place) {
-    return hermiteWeights(place, some_sites, 0.03).power;
+TEST(HermiteKernelTest, OrdersDifferByMoreThanTheErrorExceptAtTheSites) {
+  const Eigen::VectorXf data = quantitiesAt(some_sites);
+  const auto differenceAt = [&](const Eigen::Vector3d& place) {
+    return std::abs(hermiteWeights(place, some_sites, 0.03).order_difference.dot(data));
   };
-  for (const Eigen::Vector3d& site : some_sites) EXPECT_LT(powerAt(site), 1e-4);
-  const double between = powerAt({0.004, 0.005, 0}), beside = powerAt({0.025, 0.02, 0});
-  EXPECT_GT(between, 1e-3);
-  EXPECT_GT(beside, 10 * between);
-  EXPECT_GT(powerAt({1, 0, 0}), 0.99) << "nothing is known there";
+  for (const Eigen::Vector3d& site : some_sites) EXPECT_LT(differenceAt(site), 1e-5F * data[0]);
+  for (const double x : {-0.008, -0.004, 0.004, 0.008})
+    for (const double y : {-0.008, -0.004, 0.004, 0.008}) {
+      const Eigen::Vector3d place(x, y, 0);
+      const float error =
+          std::abs((hermiteWeights(place, some_sites, 0.03).coefficients * data)[0] -
+                   quantitiesAt({place})[0]);
+      EXPECT_GT(differenceAt(place), error) << place.transpose();
+      EXPECT_LT(differenceAt(place), 0.05F * data[0]) << place.transpose();
+    }
 }
 
 TEST(HermiteKernelTest, KeepsTheEnergiesOfSitesWhoseDerivativesContradictEachOther) {
