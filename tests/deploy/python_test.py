@@ -292,6 +292,65 @@ class PythonContacts(WithDatasets):
         with self.assertRaisesRegex(palpate.Error, "friction"):
             palpate.Contact(dataset, options)
 
+    def testManyContactsEqualSingleOnesToTheLastBit(self):
+        n, random = 100, np.random.default_rng(9)
+        places, depths = random.uniform((0.04, 0.04, 0.1), (0.06, 0.06, 0.1), (n, 3)), random.uniform(0.002, 0.008, n)
+        frictions = random.uniform(0, 1, n)
+        for file in self.file, self.build("finger", FINGER, 0.01, 0.005):
+            dataset, options = palpate.Dataset(file), palpate.Contact.defaults(palpate.Dataset(file))
+            single = [palpate.Contact(dataset, dataclasses.replace(options, friction=friction)) for friction in frictions]
+            many, out, touching = palpate.Contacts(dataset, n, threads=2), None, 0
+            many.set_friction(frictions)
+            self.assertEqual(len(many), n)
+            for phase in np.linspace(0, 1, 40):
+                tools = places + np.outer(0.001 - depths * np.sin(3 * phase), (0, 0, 1)) + [0.01 * phase, 0, 0]
+                if 0.5 < phase < 0.53:
+                    tools[7, 1] = np.nan
+                if 0.7 < phase < 0.73:
+                    which = np.arange(n) % 3 == 0
+                    many.release(which)
+                    for contact in np.array(single)[which]:
+                        contact.release()
+                out = many.update(tools, out=out)
+                for i, touch in enumerate(contact.update(tool) for contact, tool in zip(single, tools)):
+                    for field in dataclasses.fields(palpate.Touches):
+                        np.testing.assert_array_equal(getattr(out, field.name)[i], getattr(touch, field.name), field.name)
+                touching += out.touching.sum()
+                self.assertEqual(many.touch(31), single[31].update(tools[31]))
+                single[31].release()
+                many.release(np.arange(n) == 31)
+            self.assertGreater(touching, 1000)
+            np.testing.assert_array_equal(many.shape(many.touch(1)), single[1].shape(many.touch(1)))
+            self.assertFalse(many.update(tools).touching[31])
+            many.release()
+            self.assertFalse(many.update(tools).touching.any())
+
+    def testManyContactsTakeOddArraysAndRefuseWrongOnes(self):
+        dataset = palpate.Dataset(self.file)
+        contacts = palpate.Contacts(dataset, 3, dataclasses.replace(palpate.Contact.defaults(dataset), mode=palpate.ContactMode.GLUED))
+        tools = np.tile(dataset.spaces[0].rest_position, (3, 1))
+        self.assertTrue(contacts.update(tools).touching.all())
+        self.assertEqual(contacts.update(np.asfortranarray(tools, np.float32), hold=[True, False, True]).touching.tolist(),
+                         [True, False, True])
+        self.assertFalse(contacts.update(tools, hold=False).touching.any())
+        out = contacts.update(tools)
+        contacts.set_friction(0.5)
+        for wrong, text in ((lambda: contacts.update(tools[:2]), "tools have shape"),
+                            (lambda: contacts.update(tools, hold=[True] * 2), "broadcast"),
+                            (lambda: contacts.release([True] * 2), "broadcast"),
+                            (lambda: contacts.set_friction([0.1] * 2), "broadcast"),
+                            (lambda: palpate.Contacts(dataset, 2).update(tools[:2], out=out), "out.touching")):
+            with self.assertRaisesRegex(ValueError, text):
+                wrong()
+        for wrong, text in ((lambda: contacts.set_friction([0.1, -1, 0.1]), "friction 1 is -1"),
+                            (lambda: contacts.touch(3), "contact 3 does not exist"),
+                            (lambda: palpate.Contacts(dataset, 3, threads=-1), "threads is -1")):
+            with self.assertRaisesRegex(palpate.Error, text):
+                wrong()
+        contacts.close()
+        with self.assertRaisesRegex(palpate.Error, "this Contacts was closed"):
+            contacts.update(tools)
+
     def testAGuardLimitsTheForceOfADevice(self):
         dataset = palpate.Dataset(self.file)
         options = palpate.Guard.defaults("touch", period=0.001)

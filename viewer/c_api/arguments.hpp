@@ -82,6 +82,7 @@ constexpr std::size_t firstSize(const palpate_answers*) { return 80; }
 constexpr std::size_t firstSize(const palpate_area_info*) { return 40; }
 constexpr std::size_t firstSize(const palpate_area_sample*) { return 184; }
 constexpr std::size_t firstSize(const palpate_contact_options*) { return 48; }
+constexpr std::size_t firstSize(const palpate_touches*) { return 128; }
 constexpr std::size_t firstSize(const palpate_live_options*) { return 40; }
 constexpr std::size_t firstSize(const palpate_live_info*) { return 56; }
 constexpr std::size_t firstSize(const palpate_touch*) { return 360; }

@@ -359,7 +359,9 @@ typedef struct palpate_touch {
    * while there was a force, or the dataset or method was switched during contact. The guard fades
    * such steps in. */
   int32_t stepped;
-  int32_t inside;         /* 1 only if palpate_sample.inside is 1 in every blended space */
+  /* 1 only if palpate_sample.inside is 1 in every blended space; 0 also if the position of the tool
+   * was not finite */
+  int32_t inside;
   int32_t triangle;       /* surface triangle in contact; -1: none */
   double force[3];        /* N, on the tool; zero when not touching */
   double stiffness[9];    /* N/m, row major, d force / d tool at a fixed point of contact */
@@ -378,6 +380,7 @@ typedef struct palpate_touch {
    * region. The force of that part is a continuation that only gets stiffer. Draw the tool at
    *   tool - displacement * beyond / |displacement| */
   double beyond;
+  double drive[3]; /* as in palpate_area_sample; zero outside of areas */
 } palpate_touch;
 
 /* Fills in the default options for a dataset. The caller sets options->size. Any thread, real
@@ -421,6 +424,69 @@ PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact,
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
                                                        const palpate_touch* touch,
                                                        float* displacements, size_t capacity);
+
+/* ---- many contacts at once ---- */
+
+/* Contacts that are independent of each other, for simulators that run many environments. Each has
+ * a place, a history and a friction of its own; they share the dataset. The results are exactly
+ * those of single contacts, whatever the number of contacts and threads. One thread may call at a
+ * time. */
+typedef struct palpate_contacts palpate_contacts;
+
+/* Output arrays for the touches of n contacts. The arrays belong to the caller; pass NULL for
+ * unwanted ones. The values are exactly those of palpate_touch. */
+typedef struct palpate_touches {
+  size_t size;
+  uint8_t* touching;     /* n, 1 or 0 */
+  uint8_t* stepped;      /* n, 1 or 0 */
+  uint8_t* inside;       /* n, 1 or 0 */
+  int32_t* triangles;    /* n */
+  double* forces;        /* 3 * n, N */
+  double* stiffnesses;   /* 9 * n, N/m, row major */
+  double* energies;      /* n, J */
+  double* error_bounds;  /* n, N */
+  double* coverages;     /* n */
+  double* anchors;       /* 3 * n, m */
+  double* normals;       /* 3 * n */
+  double* displacements; /* 3 * n, m */
+  double* gaps;          /* n, m */
+  double* beyond;        /* n, m */
+  double* drives;        /* 3 * n, N */
+} palpate_touches;
+
+/* Creates n contacts with the same options. options: NULL for the defaults; options->live must be
+ * NULL. threads: number of threads that update them, including the calling one; 0: one per core.
+ * The others sleep between calls. A contact needs 6 kB of memory. Pass *contacts to
+ * palpate_contacts_destroy later; it is NULL on failure. */
+PALPATE_API palpate_status palpate_contacts_create(const palpate_dataset* dataset,
+                                                   const palpate_contact_options* options, size_t n,
+                                                   int32_t threads, palpate_contacts** contacts);
+
+/* Destroys the contacts and ends their threads; NULL is ignored. */
+PALPATE_API void palpate_contacts_destroy(palpate_contacts* contacts);
+
+/* Sets the friction coefficients for later updates: n numbers, >= 0. If one is invalid, none
+ * changes. */
+PALPATE_API palpate_status palpate_contacts_set_frictions(palpate_contacts* contacts,
+                                                          const double* frictions);
+
+/* Runs one tick of all contacts, as palpate_contact_update does. tools: 3 * n numbers, m. holds: n
+ * numbers, as `hold` there; NULL: all hold. A position that is not finite is no error: it ends its
+ * contact, which has no force and inside = 0. Real time if there is one thread. */
+PALPATE_API palpate_status palpate_contacts_update(palpate_contacts* contacts, const double* tools,
+                                                   const uint8_t* holds,
+                                                   const palpate_touches* touches);
+
+/* Gives the state of contact number `index` after the last update, for the guard and for
+ * palpate_touch_displacements. Real time. */
+PALPATE_API palpate_status palpate_contacts_touch(const palpate_contacts* contacts, size_t index,
+                                                  palpate_touch* touch);
+
+/* Releases the contacts whose number in `mask` (n numbers) is not 0, as palpate_contact_release
+ * does; NULL: all. For environments that start again: their tool may then be moved anywhere, and
+ * touches again after an update outside the body. Real time. */
+PALPATE_API palpate_status palpate_contacts_release(palpate_contacts* contacts,
+                                                    const uint8_t* mask);
 
 /* ---- live ---- */
 

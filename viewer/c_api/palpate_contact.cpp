@@ -1,7 +1,12 @@
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "common/base/assertion.hpp"
+#include "common/base/machine.hpp"
+#include "common/base/thread_pool.hpp"
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/live_scene.hpp"
 #include "viewer/c_api/touch_struct.hpp"
@@ -29,7 +34,57 @@ struct palpate_contact {
   Contact contact;
 };
 
+struct palpate_contacts {
+  palpate_contacts(const palpate_dataset& dataset, const ContactOptions& options,
+                   std::int32_t method, std::size_t n, std::size_t n_threads)
+      : loaded(dataset.loaded),
+        contacts(n, Contact(loaded->model, options)),
+        order(n),
+        threads(n_threads) {
+    for (Contact& contact : contacts) contact.use(loaded->model, at(method));
+    for (const Eigen::Vector3d& vertex : loaded->model.surface().vertices()) box.extend(vertex);
+    for (std::size_t c = 0; c < n; ++c) order[c].contact = c;
+  }
+
+  /// Sorts `order` along a Z-order curve through the positions, 3 per contact, m.
+  void sort(const double* tools) noexcept {
+    for (Placed& placed : order) {
+      const Eigen::Vector3d share =
+          (vectorOf(tools + 3 * placed.contact) - box.min()).cwiseQuotient(box.sizes());
+      placed.code = 0;
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        // In this order, NaN becomes 0.
+        const auto cell =
+            static_cast<std::uint32_t>(std::min(63.0, std::max(0.0, 64 * share[axis])));
+        for (std::uint32_t bit = 0; bit < 6; ++bit)
+          placed.code |= (cell >> bit & 1) << (3 * bit + static_cast<std::uint32_t>(axis));
+      }
+    }
+    std::ranges::sort(order, {}, &Placed::code);
+  }
+
+  struct Placed {
+    std::size_t contact;
+    std::uint32_t code = 0;
+  };
+  const std::shared_ptr<const LoadedDataset> loaded;
+  std::vector<Contact> contacts;
+  /// Order in which contacts are updated. Neighbours read the same part of the dataset, which then
+  /// still is in the cache.
+  std::vector<Placed> order;
+  std::uint64_t updates = 0;
+  Eigen::AlignedBox3d box;  ///< of the surface at rest, m
+  ThreadPool threads;
+};
+
 namespace {
+
+/// Number of contacts that a thread updates before it takes the next ones.
+constexpr std::size_t contacts_at_once = 16;
+/// Number of updates after which the contacts are sorted again by their place.
+constexpr std::uint64_t updates_per_sort = 32;
+constexpr std::int32_t most_threads = 1024;
+constexpr std::size_t most_contacts = 1u << 24;
 
 using Given = palpate_contact_options;
 constexpr std::array<OptionNumber<Given, ContactOptions>, 4> numbers = {
@@ -68,6 +123,39 @@ bool translate(const char* function, const Given& options, const palpate_dataset
          isNumber(function, "method", options.method, dataset.loaded->info.method_count);
 }
 
+/// Takes the caller's options, or the defaults if they are NULL. Records the failure and returns
+/// false if an option is invalid.
+bool choose(const char* function, const palpate_contact_options* options,
+            const palpate_dataset& dataset, Given& given, ContactOptions& chosen) noexcept {
+  given = defaultsFor(dataset);
+  return takeOptions(function, options, given) && translate(function, given, dataset, chosen);
+}
+
+/// Copies a touch into element n of each of the caller's arrays that is not NULL.
+void giveTouch(const palpate_touches& to, std::size_t n, const Touch& touch) noexcept {
+  const auto number = [n](auto* array, auto value) {
+    if (array != nullptr) array[n] = static_cast<std::remove_pointer_t<decltype(array)>>(value);
+  };
+  const auto vector = [n](double* array, const Eigen::Vector3d& value) {
+    if (array != nullptr) give(array + 3 * n, value);
+  };
+  number(to.touching, touch.touching);
+  number(to.stepped, touch.stepped);
+  number(to.inside, touch.inside);
+  number(to.triangles, touch.anchor.triangle);
+  vector(to.forces, touch.force);
+  if (to.stiffnesses != nullptr) give(to.stiffnesses + 9 * n, touch.stiffness);
+  number(to.energies, touch.energy);
+  number(to.error_bounds, touch.error_bound);
+  number(to.coverages, touch.coverage);
+  vector(to.anchors, touch.anchor_position);
+  vector(to.normals, touch.normal);
+  vector(to.displacements, touch.displacement);
+  number(to.gaps, touch.gap);
+  number(to.beyond, touch.beyond);
+  vector(to.drives, touch.drive);
+}
+
 /// Returns whether the triangle and the spaces of a touch exist in a dataset; the caller may have
 /// filled in the touch by hand.
 bool belongsTo(const char* function, const palpate_touch& touch,
@@ -99,10 +187,9 @@ palpate_status palpate_contact_create(const palpate_dataset* dataset,
   if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
   *contact = nullptr;
   if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
-  palpate_contact_options given = defaultsFor(*dataset);
+  Given given;
   ContactOptions chosen;
-  if (!takeOptions(__func__, options, given) || !translate(__func__, given, *dataset, chosen))
-    return PALPATE_INVALID_ARGUMENT;
+  if (!choose(__func__, options, *dataset, given, chosen)) return PALPATE_INVALID_ARGUMENT;
   const std::shared_ptr<LiveScene> live = given.live != nullptr ? given.live->scene : nullptr;
   if (live && live->in_use.exchange(true))
     return fail(PALPATE_INVALID_ARGUMENT,
@@ -157,4 +244,80 @@ palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
     DeformedShape shape(at(info.vertex_count));
     shape.evaluate(dataset->loaded->model, toTouch(known), {displacements, needed});
   });
+}
+
+palpate_status palpate_contacts_create(const palpate_dataset* dataset,
+                                       const palpate_contact_options* options, std::size_t n,
+                                       std::int32_t threads, palpate_contacts** contacts) {
+  if (!isThere(__func__, "contacts", contacts)) return PALPATE_INVALID_ARGUMENT;
+  *contacts = nullptr;
+  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
+  Given given;
+  ContactOptions chosen;
+  if (!choose(__func__, options, *dataset, given, chosen)) return PALPATE_INVALID_ARGUMENT;
+  if (given.live != nullptr)
+    return fail(PALPATE_INVALID_ARGUMENT,
+                "{}: options->live must be NULL; a live solver follows a single contact", __func__);
+  if (n > most_contacts)
+    return fail(PALPATE_INVALID_ARGUMENT, "{}: n is {}; it must be at most {}", __func__, n,
+                most_contacts);
+  if (threads < 0 || threads > most_threads)
+    return fail(PALPATE_INVALID_ARGUMENT, "{}: threads is {}; it must be from 0 to {}", __func__,
+                threads, most_threads);
+  return withoutExceptions(__func__, [&] {
+    *contacts = new palpate_contacts(*dataset, chosen, given.method, n,
+                                     threads == 0 ? coreCount() : at(threads));
+  });
+}
+
+void palpate_contacts_destroy(palpate_contacts* contacts) { delete contacts; }
+
+palpate_status palpate_contacts_set_frictions(palpate_contacts* contacts, const double* frictions) {
+  if (!isThere(__func__, "contacts", contacts) || !isThere(__func__, "frictions", frictions))
+    return PALPATE_INVALID_ARGUMENT;
+  std::vector<Contact>& all = contacts->contacts;
+  for (std::size_t n = 0; n < all.size(); ++n)
+    if (!(std::isfinite(frictions[n]) && frictions[n] >= 0))
+      return fail(PALPATE_INVALID_ARGUMENT, "{}: friction {} is {}; it must be finite and >= 0",
+                  __func__, n, frictions[n]);
+  for (std::size_t n = 0; n < all.size(); ++n) all[n].setFriction(frictions[n]);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_contacts_update(palpate_contacts* contacts, const double* tools,
+                                       const std::uint8_t* holds, const palpate_touches* touches) {
+  if (!isThere(__func__, "contacts", contacts) || !isThere(__func__, "tools", tools) ||
+      !sizeIsKnown(__func__, "touches", touches))
+    return PALPATE_INVALID_ARGUMENT;
+  const palpate_touches wanted = taken(touches, palpate_touches{});
+  std::vector<Contact>& all = contacts->contacts;
+  if (contacts->updates++ % updates_per_sort == 0) contacts->sort(tools);
+  const auto update = [&](std::size_t part) {
+    const std::size_t end = std::min(all.size(), (part + 1) * contacts_at_once);
+    for (std::size_t place = part * contacts_at_once; place < end; ++place) {
+      const std::size_t n = contacts->order[place].contact;
+      giveTouch(wanted, n,
+                all[n].update(vectorOf(tools + 3 * n), holds == nullptr || holds[n] != 0));
+    }
+  };
+  contacts->threads.run((all.size() + contacts_at_once - 1) / contacts_at_once, std::ref(update));
+  return PALPATE_OK;
+}
+
+palpate_status palpate_contacts_touch(const palpate_contacts* contacts, std::size_t index,
+                                      palpate_touch* touch) {
+  if (!isThere(__func__, "contacts", contacts) || !sizeIsKnown(__func__, "touch", touch))
+    return PALPATE_INVALID_ARGUMENT;
+  if (index >= contacts->contacts.size())
+    return fail(PALPATE_INVALID_ARGUMENT, "{}: contact {} does not exist; there are {}", __func__,
+                index, contacts->contacts.size());
+  give(touch, toStruct(contacts->contacts[index].touch()));
+  return PALPATE_OK;
+}
+
+palpate_status palpate_contacts_release(palpate_contacts* contacts, const std::uint8_t* mask) {
+  if (!isThere(__func__, "contacts", contacts)) return PALPATE_INVALID_ARGUMENT;
+  for (std::size_t n = 0; n < contacts->contacts.size(); ++n)
+    if (mask == nullptr || mask[n] != 0) contacts->contacts[n].release();
+  return PALPATE_OK;
 }

@@ -21,6 +21,7 @@ palpate_touch toStruct(const Touch& touch) noexcept {
   give(given.displacement, touch.displacement);
   given.gap = touch.gap;
   given.beyond = touch.beyond;
+  give(given.drive, touch.drive);
   given.share_count = touch.blend.size;
   for (std::size_t s = 0; s < static_cast<std::size_t>(touch.blend.size); ++s) {
     given.share_spaces[s] = touch.blend.shares[s].space;
@@ -45,6 +46,7 @@ Touch toTouch(const palpate_touch& given) noexcept {
   touch.displacement = vectorOf(given.displacement);
   touch.gap = given.gap;
   touch.beyond = std::max(0.0, given.beyond);
+  touch.drive = vectorOf(given.drive);
   // The caller may have filled in the touch by hand, so the count may exceed the arrays.
   touch.blend.size = std::clamp(given.share_count, 0, PALPATE_MOST_SHARES);
   for (std::size_t s = 0; s < static_cast<std::size_t>(touch.blend.size); ++s)

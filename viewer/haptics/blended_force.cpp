@@ -32,6 +32,7 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
     return;
   }
   sum_ = {};
+  drive_.setZero();
   sum_.energy = sum_.error_bound = 0;
   sum_.inside = true;
   for (const auto& [space, weight] : blend_.used()) {

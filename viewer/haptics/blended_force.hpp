@@ -43,6 +43,8 @@ class BlendedForce {
   /// of the spaces. In a weighted sum, energy and error_bound are NaN if one space has none, inside
   /// is true if all samples are inside, and beyond is the largest of all samples.
   const ForceSample& sum() const { return sum_; }
+  /// Returns the configurational force -dE/ds at the anchor, N; zero outside of areas.
+  const Eigen::Vector3d& drive() const { return drive_; }
   /// Returns the share of the live solver's equilibria in the force, 0 to 1.
   double followed() const { return followed_; }
 
@@ -70,7 +72,7 @@ class BlendedForce {
   Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();
   SpaceBlend blend_;
   ForceSample sum_;
-  Eigen::Vector3d drive_ = Eigen::Vector3d::Zero();  ///< configurational force of an area, N
+  Eigen::Vector3d drive_ = Eigen::Vector3d::Zero();
   std::array<std::int32_t, most_samples> spaces_{};
   std::array<ForceSample, most_samples> samples_;
   std::size_t size_ = 0;

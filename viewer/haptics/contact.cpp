@@ -39,6 +39,7 @@ void Contact::follow(const Eigen::Vector3d& tool, bool hold) noexcept {
   if (!tool.allFinite()) {
     end(touch_.stepped || !touch_.force.isZero(0),
         options_.mode == ContactMode::glued ? State::ready : State::shut);
+    touch_.inside = false;
     last_tool_ = nowhere();
     return;
   }
@@ -128,6 +129,8 @@ void Contact::describe(const Eigen::Vector3d& displacement) noexcept {
   touch_.normal = model_->surface().normal(anchor_);
   touch_.displacement = displacement;
   touch_.blend = force_.blend();
+  const Eigen::Vector3d& face = model_->surface().faceNormal(anchor_.triangle);
+  touch_.drive = force_.drive() - face.dot(force_.drive()) * face;
   touch_.followed = force_.followed();
   touch_.gap = 0;
 }

@@ -14,7 +14,7 @@ namespace palpate {
 ///
 /// stiffness is d force / d tool while the anchor stays in place. inside is true if the
 /// displacement lies in the computed region of all these spaces; otherwise the force is a
-/// continuation.
+/// continuation, or the tool's position was not finite.
 struct Touch : ForceSample {
   Touch() {  // if nothing is touched, the force is exactly zero
     energy = error_bound = 0;
@@ -33,6 +33,9 @@ struct Touch : ForceSample {
   /// displacement of the anchor, m, at which the force fields of the spaces are evaluated
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
   SpaceBlend blend;
+  /// N, tangential part of an area's -dE/ds at the anchor, which slides the anchor against
+  /// friction; zero outside of areas
+  Eigen::Vector3d drive = Eigen::Vector3d::Zero();
   double followed = 0;  ///< share of the live solver's equilibria in the force, 0 to 1
   double gap = 0;       ///< distance to the body while not touching, m; negative inside the body
 
@@ -77,8 +80,8 @@ struct Touch : ForceSample {
 /// from the tool position at the grip. After release() the tool can grip again once `hold` was
 /// false or the tool was farther away than grab_distance.
 ///
-/// One thread. update(), use() and replace() are real time: they do not allocate, lock, throw or
-/// log.
+/// One thread. update(), setFriction(), use() and replace() are real time: they do not allocate,
+/// lock, throw or log.
 class Contact {
  public:
   /// The model must stay valid until use() or replace() ends its use or this object is destroyed.
@@ -93,6 +96,8 @@ class Contact {
   /// Ends the contact. Before the tool can touch again, it must be outside; glued: it must let go
   /// or be farther away than grab_distance.
   void release() noexcept;
+  /// Sets the friction coefficient for later updates, >= 0.
+  void setFriction(double friction) noexcept { options_.friction = friction; }
   /// Switches to another model or method. Contact is kept if both surfaces have the same triangles
   /// and vertices and the anchor is touchable in the new model.
   void use(const HapticModel& model, std::size_t method) noexcept;

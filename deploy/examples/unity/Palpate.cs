@@ -47,7 +47,7 @@ public unsafe struct Sample {  // 136 bytes
 }
 
 [StructLayout(LayoutKind.Sequential)]
-public unsafe struct Touch {  // 368 bytes
+public unsafe struct Touch {  // 392 bytes
   public UIntPtr Size;
   public int Touching, Stepped, Inside, Triangle;
   public Vector3d Force;
@@ -59,6 +59,7 @@ public unsafe struct Touch {  // 368 bytes
   public fixed int ShareSpaces[9];
   public fixed double ShareWeights[9];
   public double Beyond;
+  public Vector3d Drive;
   public static Touch Create() => new Touch { Size = (UIntPtr)sizeof(Touch) };
 }
 

@@ -10,6 +10,7 @@ Contents:
 
 ``Dataset``    a dataset in memory; ``query`` answers any number of displacements in one call
 ``Contact``    a tool that touches the body, slides and lets go, one position at a time
+``Contacts``   thousands of such tools, each with its own contact, in one call
 ``Live``       a solver that follows the hand: exact forces near it, also without a dataset
 ``Guard``      makes a force safe for a haptic device
 ``Arrays``     the contents of a dataset file, as NumPy arrays (needs h5py)
@@ -25,12 +26,14 @@ releases the global interpreter lock during calls, and any number of threads may
 from ._library import Error, version
 from .arrays import Arrays, Space
 from .contact import Contact, ContactMode, ContactOptions, DeviceProfile, Guard, GuardedForce, GuardOptions, Touch, device
+from .contacts import Contacts, Touches
 from .dataset import Answers, AreaInfo, Dataset, SpaceInfo
 from .live import Live, LiveInfo
 from .recording import Recording
 
 __all__ = [
-    "Answers", "AreaInfo", "Arrays", "Contact", "ContactMode", "ContactOptions", "Dataset", "DeviceProfile", "Error", "Guard",
-    "GuardOptions", "GuardedForce", "Live", "LiveInfo", "Recording", "Space", "SpaceInfo", "Touch", "device", "version",
+    "Answers", "AreaInfo", "Arrays", "Contact", "ContactMode", "ContactOptions", "Contacts", "Dataset", "DeviceProfile", "Error",
+    "Guard", "GuardOptions", "GuardedForce", "Live", "LiveInfo", "Recording", "Space", "SpaceInfo", "Touch", "Touches", "device",
+    "version",
 ]
 __version__ = version()

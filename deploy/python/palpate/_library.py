@@ -95,7 +95,14 @@ class Touch(_Sized):
                 ("error_bound", c_double), ("coverage", c_double), ("barycentric", Vector), ("anchor", Vector),
                 ("normal", Vector), ("displacement", Vector), ("gap", c_double), ("share_count", c_int32),
                 ("share_spaces", c_int32 * MOST_SHARES), ("share_weights", c_double * MOST_SHARES),
-                ("beyond", c_double)]
+                ("beyond", c_double), ("drive", Vector)]
+
+
+class Touches(_Sized):
+    _fields_ = [("size", c_size_t), ("touching", c_void_p), ("stepped", c_void_p), ("inside", c_void_p), ("triangles", c_void_p),
+                ("forces", c_void_p), ("stiffnesses", c_void_p), ("energies", c_void_p), ("error_bounds", c_void_p),
+                ("coverages", c_void_p), ("anchors", c_void_p), ("normals", c_void_p), ("displacements", c_void_p),
+                ("gaps", c_void_p), ("beyond", c_void_p), ("drives", c_void_p)]
 
 
 class Profile(_Sized):
@@ -138,6 +145,12 @@ _signatures: dict[str, tuple[Any, list[Any]]] = {
     "contact_update": (_status, [_handle, POINTER(c_double), c_int32, POINTER(Touch)]),
     "contact_release": (_status, [_handle]),
     "contact_use": (_status, [_handle, _handle, c_int32]),
+    "contacts_create": (_status, [_handle, POINTER(ContactOptions), c_size_t, c_int32, POINTER(_handle)]),
+    "contacts_destroy": (None, [_handle]),
+    "contacts_set_frictions": (_status, [_handle, POINTER(c_double)]),
+    "contacts_update": (_status, [_handle, POINTER(c_double), POINTER(c_uint8), POINTER(Touches)]),
+    "contacts_touch": (_status, [_handle, c_size_t, POINTER(Touch)]),
+    "contacts_release": (_status, [_handle, POINTER(c_uint8)]),
     "touch_displacements": (_status, [_handle, POINTER(Touch), POINTER(c_float), c_size_t]),
     "live_start": (_status, [c_char_p, _handle, POINTER(LiveOptions), POINTER(_handle)]),
     "live_stop": (None, [_handle]),

@@ -43,7 +43,7 @@ class Touch(ByValue):
 
     touching: bool
     stepped: bool  #: the force may have jumped by more than the motion explains
-    inside: bool  #: as in ``Answers``, for all spaces involved
+    inside: bool  #: as in ``Answers``, for all spaces involved; False also if the position was not finite
     triangle: int  #: touched triangle; -1: none
     force: Numbers  #: (3,), N, on the tool; zero without contact
     stiffness: Numbers  #: (3, 3), N/m: d force / d tool, with the point of contact held
@@ -56,6 +56,7 @@ class Touch(ByValue):
     displacement: Numbers  #: (3,), m: tool - anchor
     gap: float  #: m, without contact: distance to the body, negative inside
     beyond: float  #: m, length of the displacement beyond the computed data, where an extrapolated force pushes back; 0: inside
+    drive: Numbers  #: (3,), N, as in ``Answers``; zero outside of areas
     _given: _library.Touch  #: for ``Contact.shape``
 
 
@@ -64,7 +65,23 @@ def _touch(given: _library.Touch) -> Touch:
                  force=np.array(given.force), stiffness=np.array(given.stiffness).reshape(3, 3), energy=given.energy,
                  error_bound=given.error_bound, coverage=given.coverage, barycentric=np.array(given.barycentric),
                  anchor=np.array(given.anchor), normal=np.array(given.normal), displacement=np.array(given.displacement),
-                 gap=given.gap, beyond=given.beyond, _given=given)
+                 gap=given.gap, beyond=given.beyond, drive=np.array(given.drive), _given=given)
+
+
+def _options(dataset: Dataset, options: ContactOptions | None, method: str | int) -> _library.ContactOptions:
+    given = _library.ContactOptions()
+    _library.call("contact_defaults", dataset.handle, byref(given))
+    if options is not None:
+        for field in fields(options):
+            setattr(given, field.name, getattr(options, field.name))
+    given.method = dataset._method(method)
+    return given
+
+
+def _shape(dataset: Any, vertices: tuple[int, ...], touch: Touch) -> npt.NDArray[np.float32]:
+    shape = np.empty(vertices, np.float32)
+    _library.call("touch_displacements", dataset, byref(touch._given), shape.ctypes.data_as(POINTER(c_float)), shape.size)
+    return shape
 
 
 def _position(tool: npt.ArrayLike) -> Any:
@@ -87,12 +104,7 @@ class Contact(_library.Handle):
                  live: Live | None = None) -> None:
         """options: default ``Contact.defaults(dataset)``. method: name or index of a prepared method. live: a live solver of
         ``dataset`` (``Live.dataset``) that corrects the forces of one contact at a time."""
-        given = _library.ContactOptions()
-        _library.call("contact_defaults", dataset.handle, byref(given))
-        if options is not None:
-            for field in fields(options):
-                setattr(given, field.name, getattr(options, field.name))
-        given.method = dataset._method(method)
+        given = _options(dataset, options, method)
         if live is not None:
             given.live = live.handle._as_parameter_
         handle = c_void_p()
@@ -121,10 +133,7 @@ class Contact(_library.Handle):
 
     def shape(self, touch: Touch) -> npt.NDArray[np.float32]:
         """Returns the displacements of ``Dataset.vertices`` in a touch of this contact, (V, 3), m."""
-        shape = np.empty(self._vertices, np.float32)
-        _library.call("touch_displacements", self._dataset, byref(touch._given), shape.ctypes.data_as(POINTER(c_float)),
-                      shape.size)
-        return shape
+        return _shape(self._dataset, self._vertices, touch)
 
     def release(self) -> None:
         """Ends the contact; the tool must come from outside again."""

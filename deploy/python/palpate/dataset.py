@@ -248,9 +248,9 @@ class Dataset(_library.Handle):
                                                      f"there is no {what} {word!r}; there are: {known}"))
 
 
-def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...], Any]],
-             out: Answers | None) -> tuple[Answers, _library.Answers]:
-    """Returns arrays for answers, new or those of ``out``, and the structure with their addresses for libpalpate."""
+def arrays_for(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...], Any]],
+               out: object | None) -> dict[str, npt.NDArray[Any]]:
+    """Returns arrays for libpalpate to write into, new or those of ``out``, by the names of ``members``."""
     arrays = {}
     for name, rest, kind in members:
         if out is None:
@@ -261,5 +261,12 @@ def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...
         if not (fits and given.flags.c_contiguous and given.flags.writeable):
             raise ValueError(f"out.{name} must be the array of an earlier answer with shape {shape + rest}")
         arrays[name] = given
+    return arrays
+
+
+def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...], Any]],
+             out: Answers | None) -> tuple[Answers, _library.Answers]:
+    """Returns the answers with their arrays, and the structure with the addresses of the arrays for libpalpate."""
+    arrays = arrays_for(shape, members, out)
     pointers = {_members[name]: array.ctypes.data for name, array in arrays.items()}
     return Answers(**arrays) if out is None else out, _library.Answers(**pointers)

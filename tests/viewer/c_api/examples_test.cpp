@@ -183,7 +183,8 @@ TEST_F(Examples, PythonExampleRuns) {
                                    {"OpenOptions", sizeof(palpate_open_options)},
                                    {"Profile", sizeof(palpate_profile)},
                                    {"SpaceInfo", sizeof(palpate_space_info)},
-                                   {"Touch", sizeof(palpate_touch)}})
+                                   {"Touch", sizeof(palpate_touch)},
+                                   {"Touches", sizeof(palpate_touches)}})
     expected += fmt::format("{} {}\n", name, size);
   EXPECT_EQ(structures, expected);
 }
