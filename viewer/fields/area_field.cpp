@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/machine.hpp"
@@ -48,6 +49,11 @@ std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
       [&](std::size_t n) { return std::pair((points[n] - place).squaredNorm(), n); });
   numbers.resize(count);
   return numbers;
+}
+
+/// Returns whether a point is clearly beyond the reach. Saves the square root for most points.
+bool isFar(const Eigen::Vector3d& offset, const NearPoints& points) noexcept {
+  return offset.squaredNorm() > 1.001 * points.reach() * points.reach();
 }
 
 template <class Visit>
@@ -119,6 +125,14 @@ Eigen::Vector3f slopeAt(const Eigen::Vector3f& d, const JetSums::Quantities& qua
   return slope;
 }
 
+/// Evaluates the polynomial of a leaf with these jets at its corners.
+EnergySample energyIn(const std::array<EnergyJet, 8>& jets, double edge, double spacing,
+                      const Eigen::Vector3d& local) noexcept {
+  LeafJets leaf;
+  for (std::size_t c = 0; c < 8; ++c) leaf[c] = &jets[c];
+  return evaluateEnergy(leaf, edge, spacing, local);
+}
+
 }  // namespace
 
 struct AreaField::LevelSum {
@@ -126,46 +140,23 @@ struct AreaField::LevelSum {
   double edge = 0;
   Eigen::Vector3d local;
   JetSums sums;  ///< sums of w Q, a polynomial that is E times the sum of w
-  /// sums of w times the order differences at the corners of the leaf
-  std::array<QuantityJet, 8> order_differences;
 
   void begin(double leaf_edge, double spacing, const Eigen::Vector3d& place) noexcept {
     begun = true;
     edge = leaf_edge;
     local = place;
     sums.begin(valueBasis(edge, spacing, local));
-    order_differences.fill(QuantityJet::Zero());
   }
 
   /// Divides the sums by `whole`, the sum of all weights, and adds the energy and its derivatives
   /// to a sample.
   void addTo(AreaSample& sample, double whole, double spacing) const noexcept {
-    const EnergySample energy =
-        evaluated(spacing, [&](std::size_t c, std::size_t n) { return sums.sum(c, n) / whole; });
+    std::array<EnergyJet, 8> jets;
+    sums.divide(whole, jets);
+    const EnergySample energy = energyIn(jets, edge, spacing, local);
     sample.energy += energy.energy;
     sample.force += energy.force;
     sample.stiffness += energy.stiffness;
-  }
-  /// Returns the difference of the forces of both orders, N, times the sum of all weights.
-  Eigen::Vector3d orderDifference(double spacing) const noexcept {
-    return evaluated(
-               spacing,
-               [&](std::size_t c, std::size_t n) {
-                 return static_cast<double>(order_differences[c][static_cast<Eigen::Index>(n)]);
-               })
-        .force;
-  }
-
- private:
-  template <class Number>
-  EnergySample evaluated(double spacing, Number number) const noexcept {
-    std::array<EnergyJet, 8> jets;
-    LeafJets leaf;
-    for (std::size_t c = 0; c < 8; ++c) {
-      for (std::size_t n = 0; n < jets[c].size(); ++n) jets[c][n] = number(c, n);
-      leaf[c] = &jets[c];
-    }
-    return evaluateEnergy(leaf, edge, spacing, local);
   }
 };
 
@@ -353,10 +344,9 @@ void AreaField::interpolateTo(std::size_t collocation_point) {
                                      [&](std::size_t site) { return made_[site].has_value(); }),
                  "the sites must be prepared before the collocation point");
   const CellTree& tree = trees_[at_collocation_points_[collocation_point].tree];
-  std::vector<SiteJet>& jets = at_collocation_points_[collocation_point].jets;
+  std::vector<SiteJet> jets(tree.slots().size());
   std::vector<QuantityJet>& differences =
       at_collocation_points_[collocation_point].order_differences;
-  jets.resize(tree.slots().size());
   differences.resize(jets.size());
   const Interpolation interpolation(sites_.points(), sitesOfCollocationPoint(collocation_point),
                                     collocation_points_.points()[collocation_point],
@@ -367,6 +357,8 @@ void AreaField::interpolateTo(std::size_t collocation_point) {
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf(tree, jets, leaf, local);
   });
+  at_collocation_points_[collocation_point].jets =
+      mapped(jets, [](const SiteJet& jet) { return PackedJet(jet); });
 }
 
 void AreaField::judge(std::size_t site) {
@@ -386,9 +378,9 @@ struct AreaField::NearCollocationPoint {
   LeafPlace place;  ///< leaf that contains the displacement
   bool is_new_tree;
 
-  std::array<const SiteJet*, 8> jets() const noexcept {
+  std::array<const PackedJet*, 8> jets() const noexcept {
     const LeafCorners& slots = tree->corners(place.leaf);
-    std::array<const SiteJet*, 8> found;
+    std::array<const PackedJet*, 8> found;
     for (std::size_t c = 0; c < 8; ++c) found[c] = &collocation_point->jets[at(slots[c])];
     return found;
   }
@@ -400,6 +392,7 @@ void AreaField::eachCollocationPoint(const Eigen::Vector3d& s, const Eigen::Vect
   NearCollocationPoint near{};
   for (const std::int32_t number : collocation_points_.near(s)) {
     near.offset = s - collocation_points_.points()[at(number)];
+    if (isFar(near.offset, collocation_points_)) continue;
     const double x = near.offset.norm() / collocation_points_.reach();
     if (!(x < 1)) continue;
     near.collocation_point = &at_collocation_points_[at(number)];
@@ -423,6 +416,7 @@ template <class Visit>
 void AreaField::eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept {
   for (const std::int32_t site : sites_.near(s)) {
     const Eigen::Vector3d offset = s - sites_.points()[at(site)];
+    if (isFar(offset, sites_)) continue;
     const double x = offset.norm() / sites_.reach();
     if (!(x < 1)) continue;
     const Wendland w(x);
@@ -433,6 +427,13 @@ void AreaField::eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept {
 
 AreaSample AreaField::evaluate(const Eigen::Vector3d& s,
                                const Eigen::Vector3d& displacement) const noexcept {
+  AreaSample sample = evaluateUnjudged(s, displacement);
+  judge(s, displacement, sample);
+  return sample;
+}
+
+AreaSample AreaField::evaluateUnjudged(const Eigen::Vector3d& s,
+                                       const Eigen::Vector3d& displacement) const noexcept {
   if (!s.allFinite() || (!is_whole_ && !isPreparedAt(s))) return {};
   return answerTo(
       displacement, radius_, leastRadiusAt(s),
@@ -478,6 +479,7 @@ AreaSample AreaField::beyondRegion(const Eigen::Vector3d& s, const PlacedEdge& e
                                    const Eigen::Vector3d& unit, double depth) const noexcept {
   if (edge.radius <= 0) return {};
   AreaSample sample = inRegion(s, edge.radius * unit);
+  judge(s, edge.radius * unit, sample);
   const double slope = -unit.dot(sample.force), curvature = -unit.dot(sample.stiffness * unit);
   // Adds -d/ds of the energy in continuedBeyond. Radius and stiffness of the edge depend on s too.
   sample.drive += depth * driveSlope(s, edge.radius * unit, unit, slope) -
@@ -503,10 +505,6 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
     const JetSums::Quantities values =
         level->sums.add(near.jets(), static_cast<float>(near.weight) * factors);
     whole += near.weight;
-    const LeafCorners& slots = near.tree->corners(near.place.leaf);
-    for (std::size_t c = 0; c < 8; ++c)
-      level->order_differences[c] +=
-          static_cast<float>(near.weight) * near.collocation_point->order_differences[at(slots[c])];
     whole_slope += near.weight_slope;
     slope += static_cast<double>(factors.dot(values)) * near.weight_slope +
              near.weight * slopeAt(offset, values).cast<double>();
@@ -514,15 +512,11 @@ AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   if (whole < std::numeric_limits<double>::min()) return {};
   AreaSample sample;
   sample.energy = 0;
-  Eigen::Vector3d difference = Eigen::Vector3d::Zero();
-  for (const LevelSum& sum : levels) {
-    if (!sum.begun) continue;
-    sum.addTo(sample, whole, spacing);
-    difference += sum.orderDifference(spacing);
-  }
+  for (const LevelSum& sum : levels)
+    if (sum.begun) sum.addTo(sample, whole, spacing);
   // This is -d/ds of the quotient E = sum of w Q / sum of w.
   sample.drive = (sample.energy * whole_slope - slope) / whole;
-  addJudgement(s, p, difference.norm() / whole, sample);
+  sample.is_judged = false;
   return sample;
 }
 
@@ -550,8 +544,46 @@ Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vec
   return (energy_slope * whole_slope - slope) / whole;
 }
 
-void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double difference,
-                             AreaSample& sample) const noexcept {
+/// Returns the difference from the force of lower order in s, N. The loop is that of inRegion().
+double AreaField::orderDifference(const Eigen::Vector3d& s,
+                                  const Eigen::Vector3d& p) const noexcept {
+  struct Level {
+    double edge = 0;  ///< m; 0: no leaf has this level
+    Eigen::Vector3d local;
+    std::array<QuantityJet, 8> sums;  ///< of w times the order differences at the corners
+  };
+  std::array<Level, most_levels + 1> levels;
+  Level* level = nullptr;
+  double spacing = 0, whole = 0;
+  eachCollocationPoint(s, p, [&](const NearCollocationPoint& near) {
+    if (near.is_new_tree) {
+      spacing = near.tree->spacing();
+      level = &levels[at(near.tree->leaves()[at(near.place.leaf)].level)];
+      if (level->edge == 0) level->sums.fill(QuantityJet::Zero());
+      level->edge = near.tree->edge(near.place.leaf);
+      level->local = near.place.local;
+    }
+    whole += near.weight;
+    const LeafCorners& slots = near.tree->corners(near.place.leaf);
+    for (std::size_t c = 0; c < 8; ++c)
+      level->sums[c] +=
+          static_cast<float>(near.weight) * near.collocation_point->order_differences[at(slots[c])];
+  });
+  Eigen::Vector3d difference = Eigen::Vector3d::Zero();
+  for (const Level& one : levels) {
+    if (one.edge == 0) continue;
+    std::array<EnergyJet, 8> jets;
+    for (std::size_t c = 0; c < 8; ++c)
+      for (std::size_t n = 0; n < jets[c].size(); ++n)
+        jets[c][n] = static_cast<double>(one.sums[c][static_cast<Eigen::Index>(n)]);
+    difference += energyIn(jets, one.edge, spacing, one.local).force;
+  }
+  return difference.norm() / whole;
+}
+
+void AreaField::judge(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                      AreaSample& sample) const noexcept {
+  if (std::exchange(sample.is_judged, true)) return;
   double whole = 0, error = 0, coverage = 0;
   eachSite(s, [&](const Judgement& judgement, double weight, const Eigen::Vector3d&) {
     whole += weight;
@@ -567,7 +599,8 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     coverage += weight * static_cast<double>(static_cast<float>(covered));
   });
   if (whole < std::numeric_limits<double>::min()) return;
-  sample.error_bound = share_of_p_error * error / whole + share_of_order_difference * difference +
+  sample.error_bound = share_of_p_error * error / whole +
+                       share_of_order_difference * orderDifference(s, p) +
                        share_of_force * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;

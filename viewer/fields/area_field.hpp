@@ -9,6 +9,7 @@
 #include "common/mesh/near_points.hpp"
 #include "viewer/fields/cell_data.hpp"
 #include "viewer/fields/force_field.hpp"
+#include "viewer/fields/jet_sums.hpp"
 #include "viewer/fields/site_jets.hpp"
 
 namespace palpate {
@@ -17,6 +18,7 @@ namespace palpate {
 struct AreaSample : ForceSample {
   /// T = -dE/ds, N. Only its part tangential to the surface moves the finger.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
+  bool is_judged = true;  ///< false until AreaField::judge() has set what evaluateUnjudged() omits
 };
 
 /// Returns pointers to the elements of `spaces` with the indices in `chosen`. `spaces` must outlive
@@ -108,6 +110,10 @@ class AreaField {
   ///
   /// Real time.
   AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
+  /// The same in two parts, for callers that need the error bound of few samples. The first leaves
+  /// error_bound, coverage and `inside` to judge(), which is called with the same s and p.
+  AreaSample evaluateUnjudged(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
+  void judge(const Eigen::Vector3d& s, const Eigen::Vector3d& p, AreaSample& sample) const noexcept;
 
   std::size_t siteCount() const { return sites_.points().size(); }
   std::size_t madeSites() const { return made_count_; }
@@ -122,7 +128,7 @@ class AreaField {
   /// A collocation point: its lattice and the quantities interpolated to it.
   struct CollocationPoint {
     std::size_t tree = 0;
-    std::vector<SiteJet> jets;                   ///< per slot of the tree
+    std::vector<PackedJet> jets;                 ///< per slot of the tree
     std::vector<QuantityJet> order_differences;  ///< per slot (HermiteWeights)
   };
   /// Error estimates and answered region of one site.
@@ -184,10 +190,7 @@ class AreaField {
   PlacedEdge edgeAt(const Eigen::Vector3d& s, const Eigen::Vector3d& unit) const noexcept;
   Eigen::Vector3d driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                              const Eigen::Vector3d& direction, double energy_slope) const noexcept;
-  /// Sets error bound, coverage and `inside` of a sample. difference: N, between the forces of both
-  /// orders.
-  void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double difference,
-                    AreaSample& sample) const noexcept;
+  double orderDifference(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
 
   std::vector<const SpaceTable*> spaces_;  ///< spaces of the sites
   double radius_ = 0, finger_ = 0;         ///< m, radii of the ball and of the finger

@@ -140,7 +140,7 @@ void slideAnchor(const HapticModel& model, std::size_t method, const ContactOpti
                  BlendedForce& force) noexcept {
   const TouchSurface& surface = model.surface();
   const auto evaluateAt = [&](const SurfacePoint& point) {
-    force.evaluate(model, method, point, tool - surface.position(point));
+    force.evaluateUnjudged(model, method, point, tool - surface.position(point));
   };
   double gone = 0, allowed = 0, shorter = 1;
   for (int piece = 0; piece < most_pieces; ++piece) {

@@ -10,29 +10,37 @@ namespace palpate {
 void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
                             const SurfacePoint& anchor,
                             const Eigen::Vector3d& displacement) noexcept {
+  evaluateUnjudged(model, method, anchor, displacement);
+  judge();
+}
+
+void BlendedForce::evaluateUnjudged(const HapticModel& model, std::size_t method,
+                                    const SurfacePoint& anchor,
+                                    const Eigen::Vector3d& displacement) noexcept {
   model_ = &model;
   method_ = method;
   displacement_ = displacement;
   size_ = 0;
   followed_ = 0;
   blend_ = model.surface().blendAt(anchor);
-  if (const std::int32_t area = model.surface().areaOf(anchor.triangle); area >= 0) {
-    const Eigen::Vector3d place = model.surface().position(anchor);
-    AreaSample sample = model.area(static_cast<std::size_t>(area)).evaluate(place, displacement);
-    if (model.isGuessAt(place)) {
+  area_ = model.surface().areaOf(anchor.triangle);
+  if (area_ >= 0) {
+    place_ = model.surface().position(anchor);
+    sum_ = model.area(at(area_)).evaluateUnjudged(place_, displacement);
+    if (model.isGuessAt(place_)) {
+      judge();
       // In this order, a bound that is NaN becomes the force.
-      sample.error_bound = std::max(sample.force.norm(), sample.error_bound);
-      sample.inside = false;
-      sample.coverage = 0;
+      sum_.error_bound = std::max(sum_.force.norm(), sum_.error_bound);
+      sum_.inside = false;
+      sum_.coverage = 0;
     }
-    if (live_ != nullptr && &model == live_model_)
-      followed_ = live_->correct(place, displacement, sample);
-    sum_ = sample;
-    drive_ = sample.drive;
+    if (live_ != nullptr && &model == live_model_) {
+      judge();
+      followed_ = live_->correct(place_, displacement, sum_);
+    }
     return;
   }
   sum_ = {};
-  drive_.setZero();
   sum_.energy = sum_.error_bound = 0;
   sum_.inside = true;
   for (const auto& [space, weight] : blend_.used()) {
@@ -48,11 +56,15 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
   }
 }
 
+void BlendedForce::judge() noexcept {
+  if (area_ >= 0) model_->area(at(area_)).judge(place_, displacement_, sum_);
+}
+
 AnchorSlope BlendedForce::slopeAlong(std::int32_t triangle) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d& normal = surface.faceNormal(triangle);
   if (surface.areaOf(triangle) >= 0) {
-    const Eigen::Vector3d total = sum_.force - drive_;
+    const Eigen::Vector3d total = sum_.force - sum_.drive;
     return {total - normal.dot(total) * normal, -sum_.stiffness, -sum_.stiffness};
   }
   Eigen::Vector3d of_energies = Eigen::Vector3d::Zero();

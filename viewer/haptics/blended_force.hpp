@@ -35,6 +35,11 @@ class BlendedForce {
   /// slopeAlong().
   void evaluate(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,
                 const Eigen::Vector3d& displacement) noexcept;
+  /// The same in two parts, for callers that need the error bound of few forces. The first may
+  /// leave error_bound, coverage and `inside` of sum() to judge().
+  void evaluateUnjudged(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,
+                        const Eigen::Vector3d& displacement) noexcept;
+  void judge() noexcept;
 
   const SpaceBlend& blend() const { return blend_; }
   const Eigen::Vector3d& force() const { return sum_.force; }
@@ -44,7 +49,7 @@ class BlendedForce {
   /// is true if all samples are inside, and beyond is the largest of all samples.
   const ForceSample& sum() const { return sum_; }
   /// Returns the configurational force -dE/ds at the anchor, N; zero outside of areas.
-  const Eigen::Vector3d& drive() const { return drive_; }
+  const Eigen::Vector3d& drive() const { return sum_.drive; }
   /// Returns the share of the live solver's equilibria in the force, 0 to 1.
   double followed() const { return followed_; }
 
@@ -71,8 +76,9 @@ class BlendedForce {
   std::size_t method_ = 0;
   Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();
   SpaceBlend blend_;
-  ForceSample sum_;
-  Eigen::Vector3d drive_ = Eigen::Vector3d::Zero();
+  std::int32_t area_ = -1;                           ///< of the anchor; -1: none
+  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();  ///< m, of the anchor, if it is in an area
+  AreaSample sum_;
   std::array<std::int32_t, most_samples> spaces_{};
   std::array<ForceSample, most_samples> samples_;
   std::size_t size_ = 0;

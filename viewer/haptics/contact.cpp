@@ -108,7 +108,7 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
 bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;
-  force_.evaluate(*model_, method_, anchor_, pressing - surface.position(anchor_));
+  force_.evaluateUnjudged(*model_, method_, anchor_, pressing - surface.position(anchor_));
   if (options_.mode == ContactMode::unilateral)
     slideAnchor(*model_, method_, options_, pressing, (tool - last_tool_).norm(), anchor_, force_);
   const Eigen::Vector3d displacement = pressing - surface.position(anchor_),
@@ -116,6 +116,7 @@ bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   if (options_.mode == ContactMode::unilateral && displacement.dot(normal) >= 0 &&
       force_.force().dot(normal) <= 0 && surface.tree().nearest(tool, near_triangle_).outside)
     return false;
+  force_.judge();
   describe(displacement);
   return true;
 }

@@ -15,10 +15,20 @@ struct JetSumsOfALeaf : ::testing::Test {
     sums.begin(basis);
   }
   double number() { return std::uniform_real_distribution<double>(-1, 1)(random); }
-  static std::array<const SiteJet*, 8> corners(const std::array<SiteJet, 8>& jets) {
-    std::array<const SiteJet*, 8> pointers;
-    for (std::size_t c = 0; c < 8; ++c) pointers[c] = &jets[c];
-    return pointers;
+  /// Adds the jets times the factors to `sums`.
+  JetSums::Quantities add(const std::array<SiteJet, 8>& jets, const JetSums::Quantities& factors) {
+    std::array<PackedJet, 8> packed;
+    std::array<const PackedJet*, 8> pointers;
+    for (std::size_t c = 0; c < 8; ++c) {
+      packed[c] = PackedJet(jets[c]);
+      pointers[c] = &packed[c];
+    }
+    return sums.add(pointers, factors);
+  }
+  std::array<EnergyJet, 8> dividedBy(double divisor) const {
+    std::array<EnergyJet, 8> quotients;
+    sums.divide(divisor, quotients);
+    return quotients;
   }
 
   std::mt19937 random{11};
@@ -35,16 +45,15 @@ TEST_F(JetSumsOfALeaf, EqualTheSumsOverQuantitiesAndCollocationPoints) {
     for (int c = 0; c < 8; ++c)
       expected.col(c) +=
           collocation_point[at(c)].topRows<27>().cast<double>() * factors.cast<double>();
-    sums.add(corners(collocation_point), factors);
+    add(collocation_point, factors);
   }
   for (int c = 0; c < 8; ++c)
-    for (int n = 0; n < 27; ++n) EXPECT_NEAR(sums.sum(at(c), at(n)), expected(n, c), 1e-5);
+    for (int n = 0; n < 27; ++n) EXPECT_NEAR(dividedBy(2)[at(c)][at(n)], expected(n, c) / 2, 1e-5);
 }
 
 TEST_F(JetSumsOfALeaf, GiveTheQuantitiesAtThePlace) {
   for (const auto& collocation_point : collocation_points) {
-    const JetSums::Quantities values =
-        sums.add(corners(collocation_point), JetSums::Quantities::Ones());
+    const JetSums::Quantities values = add(collocation_point, JetSums::Quantities::Ones());
     for (int q = 0; q < place_quantities; ++q) {
       double expected = 0;
       for (int c = 0; c < 8; ++c)
@@ -56,10 +65,10 @@ TEST_F(JetSumsOfALeaf, GiveTheQuantitiesAtThePlace) {
 }
 
 TEST_F(JetSumsOfALeaf, AreClearedByBegin) {
-  sums.add(corners(collocation_points[0]), JetSums::Quantities::Ones());
+  add(collocation_points[0], JetSums::Quantities::Ones());
   sums.begin(basis);
   for (std::size_t c = 0; c < 8; ++c)
-    for (std::size_t n = 0; n < 27; ++n) EXPECT_EQ(sums.sum(c, n), 0);
+    for (std::size_t n = 0; n < 27; ++n) EXPECT_EQ(dividedBy(1)[c][n], 0);
 }
 
 }  // namespace
