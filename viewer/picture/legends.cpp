@@ -10,6 +10,7 @@
 #include "viewer/fields/relative_error.hpp"
 #include "viewer/picture/lattice_dots.hpp"
 #include "viewer/picture/panel_style.hpp"
+#include "viewer/picture/pressure_words.hpp"
 #include "viewer/plot/viridis.hpp"
 
 namespace palpate {
@@ -130,19 +131,20 @@ void errorBar(Legend& legend, float height, const char* title) {
 
 /// Adds the meaning of the parts that are shown as tissue.
 void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour) {
-  const bool pressures = colour == SurfaceColour::pressure && contents.pressure.sentence.empty();
-  if (pressures && !contents.pressure.everywhere) {
+  const SurfacePressures& known = contents.body.model().pressures();
+  const std::string lack = colour == SurfaceColour::pressure ? whyNoPressures(known) : "";
+  const bool pressures = colour == SurfaceColour::pressure && lack.empty();
+  if (pressures && !known.everywhere()) {
     legend.swatch(tissueColour(1), "no pressure");
     legend.gap();
   }
-  if (colour == SurfaceColour::pressure && !pressures) {
-    legend.note(contents.pressure.sentence);
+  if (!lack.empty()) {
+    legend.note(lack);
     legend.gap();
   }
-  if (!contents.untouchable || (pressures && contents.pressure.everywhere)) return;
+  if (!contents.body.hasUntouchable() || (pressures && known.everywhere())) return;
   legend.swatch(tissueColour(0), "not touchable", true);
-  if (colour == SurfaceColour::tissue || (colour == SurfaceColour::pressure && !pressures))
-    legend.swatch(tissueColour(1), "touchable");
+  if (colour == SurfaceColour::tissue || !lack.empty()) legend.swatch(tissueColour(1), "touchable");
   legend.gap();
 }
 
@@ -150,10 +152,10 @@ void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour 
                    float bar_height) {
   tissueLegend(legend, contents, colour);
   if (colour == SurfaceColour::displacement)
-    displacementBar(legend, bar_height, contents.full_colour);
+    displacementBar(legend, bar_height, contents.body.fullColour());
   if (colour == SurfaceColour::error) errorBar(legend, bar_height, "error bound, % of the force");
-  if (colour == SurfaceColour::pressure && contents.pressure.full > 0)
-    pressureBar(legend, bar_height, contents.pressure.full);
+  if (colour == SurfaceColour::pressure && contents.body.fullPressure() > 0)
+    pressureBar(legend, bar_height, contents.body.fullPressure());
 }
 
 void latticeLegend(Legend& legend, bool errors, float bar_height) {

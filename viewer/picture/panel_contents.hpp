@@ -1,19 +1,20 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "viewer/haptics/haptic_tick.hpp"
+#include "viewer/picture/body_view.hpp"
 #include "viewer/picture/force_history.hpp"
 #include "viewer/picture/guard_lamps.hpp"
 #include "viewer/picture/lattice_dots.hpp"
 #include "viewer/picture/orbit_camera.hpp"
 #include "viewer/picture/picture_status.hpp"
 #include "viewer/picture/pointed_place.hpp"
-#include "viewer/picture/tissue_colours.hpp"
+#include "viewer/picture/tool_view.hpp"
 
 namespace palpate {
 
@@ -31,9 +32,6 @@ struct ViewChoices {
 struct ViewLabel {
   Eigen::Vector3d from = Eigen::Vector3d::Zero(), at = Eigen::Vector3d::Zero();  ///< tail and tip
                                                                                  ///< of the arrow
-  /// Tip and handle of the tool, which the label must not cover either.
-  std::array<Eigen::Vector3d, 2> tool = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  double tip_radius = 0, handle_radius = 0;
   std::string text;        ///< empty: no label
   bool uncertain = false;  ///< the arrow is amber; the text says why
 };
@@ -49,19 +47,13 @@ struct HandMarks {
 
 /// Contents for another dataset that is shown beside the touched body, in the same touch.
 struct BesideContents {
-  std::string dataset, tissue;  ///< name and material of the other dataset
-  ViewLabel label = {};         ///< at the arrow of the other dataset
-  double force = 0;             ///< force of its tissue, N
-  std::string sentence = {};  ///< reason why that dataset cannot repeat the touch; empty if it can
-  /// Reason why the other body does not show the chosen colours; empty if it does.
-  std::string colourless = {};
-};
-
-/// Contents of the legend for pressures.
-struct PressureContents {
-  double full = 0;            ///< end of the scale, Pa; 0 if neither body shows pressures
-  bool everywhere = true;     ///< every part of the body has a pressure
-  std::string sentence = {};  ///< reason why there are no pressures; empty if there are any
+  const BodyView& body;
+  ViewLabel label = {};  ///< at the arrow of the other dataset
+  /// Force of its tissue, N; NaN if that dataset cannot repeat the touch.
+  double force = std::numeric_limits<double>::quiet_NaN();
+  /// Reason why that dataset cannot repeat the touch, or why its body does not show the chosen
+  /// colours; empty if it does both.
+  std::string sentence = {};
 };
 
 /// A dataset or method that the user can choose.
@@ -78,19 +70,13 @@ struct PanelContents {
   const ForceHistory& history;
   const GuardLamps& lamps;
   const OrbitCamera& camera;
-  const std::vector<int>& keys;          ///< Window::keys()
-  std::vector<Choice> models = {};       ///< the datasets
-  std::vector<Choice> methods = {};      ///< methods of the model in use
-  std::vector<std::string> spaces = {};  ///< names of the active nodes of the model in use
-  std::string dataset, tissue;           ///< name and material of the model in use
-  Eigen::Vector3d middle = {0, 0, 0};    ///< middle of the body, m; the scale bar is valid at its
-                                         ///< depth
-  double full_colour = 0.01;             ///< end of the displacement scale, m
-  PressureContents pressure = {};
-  bool untouchable = false;     ///< some parts are not touchable
-  double lattice_radius = 0.1;  ///< m
-  std::string lattice_name;     ///< name of the space that the lattice shows
-  ViewLabel label = {};         ///< at the force arrow
+  const std::vector<int>& keys;      ///< Window::keys()
+  const BodyView& body;              ///< of the model in use
+  const SpaceTable& space;           ///< the space that the lattice shows
+  const ShownTool& tool;             ///< the labels must not cover it
+  std::vector<Choice> models = {};   ///< the datasets
+  std::vector<Choice> methods = {};  ///< methods of the model in use
+  ViewLabel label = {};              ///< at the force arrow
   HandMarks hand = {};
   std::optional<BesideContents> beside = {};
 };

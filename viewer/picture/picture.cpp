@@ -182,56 +182,45 @@ struct Picture::Impl {
                     const Touch& touch) const {
     return {.from = state.shownTool(),
             .at = state.shownTool() + arrowOf(force),
-            .tool = shot.tool.axis(),
-            .tip_radius = shot.tool.radius(),
-            .handle_radius = shot.tool.handleRadius(),
             .text = forceText(force, touch),
             .uncertain = isUncertain(touch)};
   }
 
   BesideContents besideContents(const HapticState& state) const {
-    const HapticModel& other = beside->body->model();
-    BesideContents all{other.name(), tissueText(other.regions())};
-    if (view.colour == SurfaceColour::pressure) all.colourless = whyNoPressures(other.pressures());
-    if (!beside->touch) {
-      all.sentence = untouchedText(sameSurface(inUse().model().surface(), other.surface()),
-                                   isFramedWith(inUse().sphere(), beside->body->sphere()));
-      return all;
-    }
-    const Touch& touch = *beside->touch;
-    all.force = touch.force.norm();
-    all.label = labelOf(state, touch.force, touch);
-    return all;
+    const BodyView& body = *beside->body;
+    const std::optional<Touch>& touch = beside->touch;
+    if (!touch)
+      return {
+          .body = body,
+          .sentence = untouchedText(sameSurface(inUse().model().surface(), body.model().surface()),
+                                    isFramedWith(inUse().sphere(), body.sphere()))};
+    const bool pressures = view.colour == SurfaceColour::pressure;
+    return {.body = body,
+            .label = labelOf(state, touch->force, *touch),
+            .force = touch->force.norm(),
+            .sentence = pressures ? whyNoPressures(body.model().pressures()) : ""};
   }
 
   PanelContents contents(const HapticState& state, const PictureStatus& status) const {
     const HapticModel& now = inUse().model();
     PALPATE_ASSERT(at(lattice.space()) < now.spaces().size(), "the lattice must be of this model");
-    const SpaceTable& table = now.spaces()[at(lattice.space())];
+    const auto method = static_cast<std::size_t>(state.method);
     PanelContents all{.state = state,
                       .status = status,
                       .history = history,
                       .lamps = lamps,
                       .camera = shot.camera,
                       .keys = window.keys(),
-                      .dataset = now.name(),
-                      .tissue = tissueText(now.regions()),
-                      .middle = inUse().sphere().centre,
-                      .full_colour = inUse().fullColour(),
-                      .pressure = {inUse().fullPressure(), now.pressures().everywhere(),
-                                   whyNoPressures(now.pressures())},
-                      .untouchable = inUse().hasUntouchable(),
-                      .lattice_radius = table.lattice.radius(),
-                      .lattice_name = table.patch.name,
+                      .body = inUse(),
+                      .space = now.spaces()[at(lattice.space())],
+                      .tool = shot.tool,
                       .label = labelOf(state, state.force, state.touch),
                       .hand = control.marks()};
-    const auto method = static_cast<std::size_t>(state.method);
     for (const auto& each : shown)
       all.models.push_back({each->model().name(), each->model().preparedShare(method)});
     for (std::size_t m = 0; m < now.methods().size(); ++m)
       all.methods.push_back({now.methods()[m], now.preparedShare(m)});
-    for (const SpaceTable& space : now.spaces()) all.spaces.push_back(space.patch.name);
-    if (beside) all.beside = besideContents(state);
+    if (beside) all.beside.emplace(besideContents(state));
     return all;
   }
 

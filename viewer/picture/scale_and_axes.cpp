@@ -19,8 +19,8 @@ constexpr float axis_length = 24, axes_room = 40, letter_gap = 7;
 constexpr std::array<const char*, 3> axis_letters = {"x", "y", "z"};
 
 void drawScale(ImDrawList& draw, const PanelContents& contents, ImVec2 size, ImVec2 right_end) {
-  const double metres =
-      contents.camera.moveInPlane(contents.middle, 0, 1).norm() / size.y;  // m per pixel
+  const Eigen::Vector3d& middle = contents.body.sphere().centre;
+  const double metres = contents.camera.moveInPlane(middle, 0, 1).norm() / size.y;  // m per pixel
   if (!(metres > 0)) return;
   const double length = roundUp(px(least_bar) * metres);
   const ImVec2 left = {right_end.x - static_cast<float>(length / metres), right_end.y};

@@ -117,7 +117,7 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
 
 void latticeChoices(const PanelContents& contents, ViewChoices& view) {
   if (!view.lattice) return;
-  heading(fmt::format("Lattice of \"{}\"", contents.lattice_name).c_str());
+  heading(fmt::format("Lattice of \"{}\"", contents.space.patch.name).c_str());
   if (ImGui::RadioButton("by tag", !view.errors)) view.errors = false;
   ImGui::SameLine();
   if (ImGui::RadioButton("by error", view.errors)) view.errors = true;
@@ -127,7 +127,7 @@ void latticeChoices(const PanelContents& contents, ViewChoices& view) {
     ImGui::RadioButton(std::array{"x", "y", "z"}[static_cast<std::size_t>(axis)], &view.plane.axis,
                        axis);
   }
-  const auto reach = static_cast<float>(1e3 * contents.lattice_radius);
+  const auto reach = static_cast<float>(1e3 * contents.space.lattice.radius());
   auto offset = static_cast<float>(1e3 * view.plane.offset);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderFloat("##offset", &offset, -reach, reach, "at %.1f mm")) {
@@ -151,8 +151,7 @@ void touchNumbers(const PanelContents& contents) {
   const Touch& touch = contents.state.touch;
   heading("Touch");
   row("force", newtons(contents.state.force.norm()));
-  if (contents.beside)
-    row("beside", contents.beside->sentence.empty() ? newtons(contents.beside->force) : "none");
+  if (contents.beside) row("beside", newtons(contents.beside->force));
   const double bound = touch.error_bound;
   row("error", std::isfinite(bound) ? fmt::format("± {:.2g} N", bound) : "unknown");
   if (touch.touching)
@@ -163,12 +162,13 @@ void touchNumbers(const PanelContents& contents) {
 
 void spaceShares(const PanelContents& contents) {
   const std::span<const SpaceWeight> shares = contents.state.touch.blend.used();
+  const std::vector<SpaceTable>& spaces = contents.body.model().spaces();
   for (const SpaceWeight& share : shares) {
     const auto space = static_cast<std::size_t>(share.space);
-    if (share.weight <= smallest_weight || space >= contents.spaces.size()) continue;
+    if (share.weight <= smallest_weight || space >= spaces.size()) continue;
     row(&share == shares.data() ? "spaces" : "", fmt::format("{:.0f} %", 100 * share.weight));
     ImGui::SameLine(px(value_column + share_width));
-    ImGui::TextUnformatted(contents.spaces[space].c_str());
+    ImGui::TextUnformatted(spaces[space].patch.name.c_str());
   }
 }
 

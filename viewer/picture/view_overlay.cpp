@@ -12,6 +12,7 @@
 #include "viewer/picture/legends.hpp"
 #include "viewer/picture/panel_style.hpp"
 #include "viewer/picture/scale_and_axes.hpp"
+#include "viewer/picture/touch_words.hpp"
 #include "viewer/picture/view_keys.hpp"
 
 namespace palpate {
@@ -183,18 +184,18 @@ class Overlay {
   }
 
   /// Draws a label on a light background, beyond the tip of its arrow.
-  void label(const ViewLabel& label) {
+  void label(const ViewLabel& label, const ShownTool& tool) {
     if (label.text.empty() || !(camera_.project(label.at).z() > 0)) return;
     const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
-    const double pixels = size_.y() / camera_.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
-    const Eigen::Vector2d tip = seen(label.tool[0]), end = seen(label.tool[1]);
-    const std::array<ThickLine, 2> tool = {
-        {{tip, tip, pixels * label.tip_radius}, {tip, end, pixels * label.handle_radius}}};
+    const auto [tip, end] = tool.axis();
+    const double pixels = size_.y() / camera_.moveInPlane(tip, 0, 1).norm();  // per metre
+    const std::array<ThickLine, 2> clear = {{{seen(tip), seen(tip), pixels * tool.radius()},
+                                             {seen(tip), seen(end), pixels * tool.handleRadius()}}};
     const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
     const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
     const Eigen::Vector2d edge(view_edge, view_edge);
     const ScreenBox box = placeLabel(arrow, Eigen::Vector2d(text.x, text.y) + 2 * padding,
-                                     {from_ + edge, from_ + size_ - edge}, tool, taken_);
+                                     {from_ + edge, from_ + size_ - edge}, clear, taken_);
     canvas().AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
     canvas().AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink,
                      label.text.c_str());
@@ -250,22 +251,24 @@ void drawTouched(const PanelContents& contents, const ViewChoices& choices, cons
   drawScaleAndAxes(canvas(), contents, size, foot);
   // Leave out the legends while the help is shown, because the help would cover a part of them.
   if (!choices.help) overlay.keepClearOf(drawLegends(canvas(), contents, choices, {size.x, foot}));
-  overlay.names({contents.dataset, contents.tissue, "H: help"});
-  overlay.label(contents.label);
+  const HapticModel& model = contents.body.model();
+  overlay.names({model.name(), tissueText(model.regions()), "H: help"});
+  overlay.label(contents.label, contents.tool);
   drawBanners(contents, choices, size.x);
   if (contents.hand.ring) overlay.ring(*contents.hand.ring, contents.hand.ring_radius);
 }
 
 /// part: the part of the view with the other dataset.
-void drawBeside(const BesideContents& contents, const OrbitCamera& camera, const Viewport& part,
+void drawBeside(const PanelContents& contents, const Viewport& part,
                 const std::vector<ScreenBox>& hint) {
-  Overlay overlay(part, camera, hint);
+  const BesideContents& beside = *contents.beside;
+  Overlay overlay(part, contents.camera, hint);
   const auto left = static_cast<float>(part.x);
   canvas().AddLine({left, 0}, {left, static_cast<float>(part.height)}, line_grey, px(border_width));
-  overlay.names({contents.dataset, contents.tissue});
-  const std::string& sentence = contents.sentence.empty() ? contents.colourless : contents.sentence;
-  if (!sentence.empty()) overlay.keepClearOf(drawSentence(sentence, part, px(sentence_above)));
-  overlay.label(contents.label);
+  overlay.names({beside.body.model().name(), tissueText(beside.body.model().regions())});
+  if (!beside.sentence.empty())
+    overlay.keepClearOf(drawSentence(beside.sentence, part, px(sentence_above)));
+  overlay.label(beside.label, contents.tool);
 }
 
 }  // namespace
@@ -274,7 +277,7 @@ void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view) {
   const std::vector<ScreenBox> hint = drawHint(contents, view);
   drawTouched(contents, choices, contents.beside ? view.leftHalf() : view, hint);
-  if (contents.beside) drawBeside(*contents.beside, contents.camera, view.rightHalf(), hint);
+  if (contents.beside) drawBeside(contents, view.rightHalf(), hint);
 }
 
 }  // namespace palpate
