@@ -1,6 +1,5 @@
 #include "viewer/haptics/recording.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>

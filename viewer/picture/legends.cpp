@@ -119,12 +119,12 @@ void pressureBar(Legend& legend, float height, double full) {
 }
 
 /// Adds a bar with the colours of error bounds (errorPlace).
-void errorBar(Legend& legend, float height, const char* title) {
+void errorBar(Legend& legend, float height) {
   const auto mark = [](double error, const char* meaning) {
     return Legend::Mark{errorPlace(error), fmt::format("{:g}{}", 100 * error, meaning),
                         *meaning != '\0'};
   };
-  legend.bar(title, height, viridis,
+  legend.bar("error bound, % of the force", height, viridis,
              {mark(lowest_error, ""), mark(0.01, ""), mark(usual_force_error, "  usual target"),
               mark(noticeable_force_error, "  a hand notices"), mark(highest_error, "")});
 }
@@ -153,13 +153,13 @@ void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour 
   tissueLegend(legend, contents, colour);
   if (colour == SurfaceColour::displacement)
     displacementBar(legend, bar_height, contents.body.fullColour());
-  if (colour == SurfaceColour::error) errorBar(legend, bar_height, "error bound, % of the force");
+  if (colour == SurfaceColour::error) errorBar(legend, bar_height);
   if (colour == SurfaceColour::pressure && contents.body.fullPressure() > 0)
     pressureBar(legend, bar_height, contents.body.fullPressure());
 }
 
 void latticeLegend(Legend& legend, bool errors, float bar_height) {
-  if (errors) return errorBar(legend, bar_height, "error bound, % of the force");
+  if (errors) return errorBar(legend, bar_height);
   for (const Tag tag : {Tag::unknown, Tag::failed, Tag::terminating, Tag::expandable})
     legend.swatch(colourOf(tag), std::string(name(tag)));
 }

@@ -94,8 +94,7 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
   if (const auto method = choose("method", contents.methods, state.method))
     requests.use = {state.model, *method};
   std::vector<Choice> colours;
-  for (int n = 0; n < surface_colour_count; ++n)
-    colours.push_back({word(static_cast<SurfaceColour>(n))});
+  for (const char* const name : surface_colours) colours.push_back({name});
   if (const auto colour = choose("colour", colours, static_cast<std::int32_t>(view.colour)))
     view.colour = static_cast<SurfaceColour>(*colour);
   // In a narrow panel the labels of the buttons need its full width.

@@ -11,8 +11,8 @@ namespace {
 
 /// Background outside the view. Clearing it costs little time. In software rendering, panels with
 /// blended backgrounds would cost as much as the body.
-constexpr std::array<float, 3> panel_ground = {0.975F, 0.978F, 0.984F};
-constexpr std::array<float, 3> sky = {0.975F, 0.978F, 0.984F}, ground = {0.800F, 0.826F, 0.860F};
+constexpr std::array<float, 3> panel_ground = {0.975F, 0.978F, 0.984F}, sky = panel_ground,
+                               ground = {0.800F, 0.826F, 0.860F};
 
 /// Draws the background last, and only where nothing was drawn: in software rendering a pixel of
 /// the background costs as much as a pixel of the body.

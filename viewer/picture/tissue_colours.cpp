@@ -29,12 +29,6 @@ Rgb between(const Rgb& from, const Rgb& to, double share) {
 
 }  // namespace
 
-const char* word(SurfaceColour colour) {
-  constexpr std::array<const char*, surface_colour_count> words = {"tissue", "displacement",
-                                                                   "error bound", "pressure"};
-  return words[static_cast<std::size_t>(colour)];
-}
-
 Rgb tissueColour(double felt, double blotch) {
   return between(between(dark_tissue, light_tissue, blotch), pale_tissue, paleness * (1 - felt));
 }

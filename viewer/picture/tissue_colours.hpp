@@ -12,13 +12,13 @@ using Rgb = std::array<double, 3>;
 /// Quantity that colours the surface: none (tissue), displacement, relative error bound of the
 /// force at a touch, or pressure.
 enum class SurfaceColour : std::uint8_t { tissue, displacement, error, pressure };
-inline constexpr int surface_colour_count = 4;
+/// The names that the user sees, in the order of SurfaceColour.
+inline constexpr std::array surface_colours = {"tissue", "displacement", "error bound", "pressure"};
+inline constexpr int surface_colour_count = surface_colours.size();
 /// Returns the next quantity in the cycle.
 inline SurfaceColour following(SurfaceColour colour) {
   return static_cast<SurfaceColour>((static_cast<int>(colour) + 1) % surface_colour_count);
 }
-/// Returns the name that the user sees: "tissue", "displacement", "error bound" or "pressure".
-const char* word(SurfaceColour colour);
 
 /// Returns the colour of wet tissue.
 ///

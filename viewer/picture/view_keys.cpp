@@ -21,31 +21,6 @@ std::optional<std::int32_t> following(const std::vector<Choice>& choices, std::i
 
 }  // namespace
 
-const char* const key_help =
-    "left on the organ     press, slide\n"
-    "wheel while pressing  deeper, shallower\n"
-    "left drag beside it   turn\n"
-    "right drag            turn\n"
-    "middle, Shift drag    move\n"
-    "wheel                 zoom\n"
-    "\n"
-    "arrows, Enter         slide, press or end\n"
-    "Page Down, Up         deeper, shallower\n"
-    "R, Esc                take the tool out\n"
-    "Shift arrows, + -     turn, zoom\n"
-    "\n"
-    "F                     show all, reset colours\n"
-    "G, L                  ghost, lattice\n"
-    "E                     lattice by error, by tag\n"
-    "C                     next colouring\n"
-    "B                     compare datasets\n"
-    "M                     next method\n"
-    "D                     next dataset\n"
-    "Space                 pause, resume\n"
-    "F5                    reload\n"
-    "H                     this help\n"
-    "Q                     quit";
-
 void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests) {
   const HapticState& state = contents.state;
   const auto pressed = [&](int key) { return std::ranges::count(contents.keys, key) > 0; };

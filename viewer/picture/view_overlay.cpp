@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -74,40 +73,35 @@ float banner(ImVec2 at, float width, ImU32 colour, const std::string& text) {
   return bottom + px(banner_gap);
 }
 
-/// Draws the help above everything else: the keys in one column, their effects in another. At least
-/// two spaces separate them in the text. Draws as many pairs of columns as the height of the window
-/// requires, and uses smaller letters if the window is too narrow for them.
+/// Draws the help above everything else: the keys in one column, their effects in another. Draws as
+/// many pairs of columns as the height of the window requires, and uses smaller letters if the
+/// window is too narrow for them.
 void drawHelp(ImVec2 at, ImVec2 window) {
-  std::vector<std::array<std::string, 2>> lines;
-  std::istringstream text(key_help);
   float keys = 0, widest = 0;
-  for (std::string line; std::getline(text, line);) {
-    const std::size_t gap = std::min(line.find("  "), line.size());
-    const std::size_t words = std::min(line.find_first_not_of(' ', gap), line.size());
-    lines.push_back({line.substr(0, gap), line.substr(words)});
-    keys = std::max(keys, ImGui::CalcTextSize(lines.back()[0].c_str()).x + px(help_gap));
-    widest = std::max(widest, ImGui::CalcTextSize(lines.back()[1].c_str()).x);
+  for (const auto& [key, effect] : key_help) {
+    keys = std::max(keys, ImGui::CalcTextSize(key).x + px(help_gap));
+    widest = std::max(widest, ImGui::CalcTextSize(effect).x);
   }
   const float step = ImGui::GetTextLineHeightWithSpacing(), wide = keys + widest + px(help_gap);
   const float room = (window.y - at.y - px(margin) - 2 * px(banner_padding)) / step;
   const auto rows = static_cast<std::size_t>(
-      std::clamp(std::floor(room), 1.0F, static_cast<float>(lines.size())));
-  const std::size_t columns = (lines.size() + rows - 1) / rows;
+      std::clamp(std::floor(room), 1.0F, static_cast<float>(key_help.size())));
+  const std::size_t columns = (key_help.size() + rows - 1) / rows;
   const ImVec2 size = {wide * static_cast<float>(columns) + px(banner_left),
                        step * static_cast<float>(rows) + 2 * px(banner_padding)};
   const float smaller = std::min(1.0F, (window.x - at.x - px(margin)) / size.x);
   ImDrawList& draw = *ImGui::GetForegroundDrawList();
   draw.AddRectFilled(at, {at.x + smaller * size.x, at.y + size.y}, white, px(4));
-  const auto write = [&](float x, float y, ImU32 colour, const std::string& words) {
+  const auto write = [&](float x, float y, ImU32 colour, const char* words) {
     draw.AddText(ImGui::GetFont(), smaller * ImGui::GetFontSize(), {at.x + smaller * x, at.y + y},
-                 colour, words.c_str());
+                 colour, words);
   };
-  for (std::size_t n = 0; n < lines.size(); ++n) {
+  for (std::size_t n = 0; n < key_help.size(); ++n) {
     const std::size_t column = n / rows;
     const float x = px(banner_left) + wide * static_cast<float>(column),
                 y = px(banner_padding) + step * static_cast<float>(n % rows);
-    write(x, y, blue, lines[n][0]);
-    write(x + keys, y, ink, lines[n][1]);
+    write(x, y, blue, key_help[n][0]);
+    write(x + keys, y, ink, key_help[n][1]);
   }
 }
 

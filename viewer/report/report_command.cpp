@@ -1,6 +1,5 @@
 #include "viewer/report/report_command.hpp"
 
-#include <algorithm>
 #include <iostream>
 
 #include "common/base/error.hpp"

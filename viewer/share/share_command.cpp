@@ -2,7 +2,6 @@
 
 #include <iostream>
 
-#include "common/base/error.hpp"
 #include "common/base/required_option.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/dataset/dataset.hpp"

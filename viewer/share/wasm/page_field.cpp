@@ -2,7 +2,6 @@
 // Returned memory belongs to the module. Everything runs on one thread, the page's worker
 // (page/field_worker.js).
 
-#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
