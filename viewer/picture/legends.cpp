@@ -10,7 +10,7 @@
 #include "viewer/fields/relative_error.hpp"
 #include "viewer/picture/lattice_dots.hpp"
 #include "viewer/picture/panel_style.hpp"
-#include "viewer/picture/pressure_words.hpp"
+#include "viewer/picture/touch_words.hpp"
 #include "viewer/plot/viridis.hpp"
 
 namespace palpate {

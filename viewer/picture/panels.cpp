@@ -8,10 +8,10 @@
 
 #include "viewer/picture/force_plot.hpp"
 #include "viewer/picture/panel_style.hpp"
-#include "viewer/picture/screen_scale.hpp"
 #include "viewer/picture/side_panel.hpp"
 #include "viewer/picture/view_keys.hpp"
 #include "viewer/picture/view_overlay.hpp"
+#include "viewer/picture/window.hpp"
 
 namespace palpate {
 namespace {

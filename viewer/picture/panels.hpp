@@ -1,7 +1,6 @@
 #pragma once
 
 #include "viewer/picture/panel_contents.hpp"
-#include "viewer/picture/picture_requests.hpp"
 #include "viewer/picture/stage.hpp"
 
 struct GLFWwindow;

@@ -14,7 +14,6 @@
 #include "viewer/picture/hand_control.hpp"
 #include "viewer/picture/held_tool.hpp"
 #include "viewer/picture/panels.hpp"
-#include "viewer/picture/pressure_words.hpp"
 #include "viewer/picture/stage.hpp"
 #include "viewer/picture/touch_words.hpp"
 #include "viewer/picture/view_keys.hpp"

@@ -6,7 +6,6 @@
 #include "viewer/haptics/haptic_model.hpp"
 #include "viewer/haptics/haptic_tick.hpp"
 #include "viewer/picture/image.hpp"
-#include "viewer/picture/picture_requests.hpp"
 #include "viewer/picture/picture_status.hpp"
 
 namespace palpate {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/scene/scene.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 #include "viewer/haptics/loop_statistics.hpp"
 
 namespace palpate {
@@ -19,6 +22,21 @@ struct PictureStatus {
   bool paused = false;
   bool recording = false;
   LoopStatistics loop = {};  ///< statistics of the loop so far; rate is 0 if no loop runs
+};
+
+/// Requests that the user made since the last frame.
+struct PictureRequests {
+  struct Use {
+    std::int32_t model = 0, method = 0;
+  };
+  std::optional<Use> use;  ///< switch to another dataset or method
+  bool release = false;    ///< end the contact
+  bool pause = false;      ///< pause, or continue after a pause
+  bool reload = false;     ///< read the datasets again
+  bool quit = false;       ///< the quit key was pressed; wantsClose() tells whether the window was
+                           ///< closed
+  /// Position to which mouse and keys move the tool; empty if another device moves it.
+  std::optional<MouseTarget> tool;
 };
 
 }  // namespace palpate

@@ -41,6 +41,12 @@ void drawThread(const Eigen::Vector3d& from, const Eigen::Vector3d& to, int piec
 
 }  // namespace
 
+ToolShape toolOf(const HapticModel& model, std::size_t space) {
+  const double radius = model.toolRadius(space);
+  if (model.spaces()[space].patch.finger) return {ToolForm::finger, radius};
+  return radius > 0 ? ToolShape{ToolForm::disc, radius} : ToolShape{};
+}
+
 double ShownTool::radius() const {
   return shape.form == ToolForm::point ? point_radius * extent : shape.radius;
 }

@@ -5,6 +5,7 @@
 
 #include "common/scene/scene.hpp"
 #include "viewer/haptics/haptic_tick.hpp"
+#include "viewer/haptics/surface_pressures.hpp"
 
 namespace palpate {
 
@@ -22,5 +23,9 @@ std::string untouchedText(bool one_mesh, bool one_scale);
 /// Returns the material of the first region, and the number of further regions: "Mooney-Rivlin,
 /// Young's modulus 3.6 kPa".
 std::string tissueText(const std::vector<Region>& regions);
+
+/// Returns a sentence that says why pressures are not shown. It names the key of the scene that
+/// would store them, or gives the progress of their preparation. Empty if they can be shown.
+std::string whyNoPressures(const SurfacePressures& pressures);
 
 }  // namespace palpate

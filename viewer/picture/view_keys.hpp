@@ -5,7 +5,6 @@
 
 #include "viewer/picture/hand_control.hpp"
 #include "viewer/picture/panel_contents.hpp"
-#include "viewer/picture/picture_requests.hpp"
 
 namespace palpate {
 

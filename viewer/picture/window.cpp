@@ -3,14 +3,12 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include <algorithm>
 #include <array>
 #include <limits>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "viewer/picture/open_gl.hpp"
-#include "viewer/picture/screen_scale.hpp"
 
 namespace palpate {
 namespace {
@@ -37,6 +35,19 @@ std::array<int, 2> roomOnScreen(bool visible) {
 }
 
 }  // namespace
+
+double screenScale(GLFWwindow* window) {
+  float across = 1, down = 1;
+  glfwGetWindowContentScale(window, &across, &down);
+  return roundedScale(std::min(across, down));
+}
+
+double pixelsPerUnit(GLFWwindow* window) {
+  int units = 0, pixels = 0, height = 0;
+  glfwGetWindowSize(window, &units, &height);
+  glfwGetFramebufferSize(window, &pixels, &height);
+  return units > 0 && pixels > 0 ? static_cast<double>(pixels) / units : 1;
+}
 
 Window::Window(const std::string& title, int width, int height, bool visible, bool vsync) {
   if (glfwInit() != GLFW_TRUE)

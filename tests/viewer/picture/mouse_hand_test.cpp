@@ -6,7 +6,7 @@
 #include <set>
 
 #include "tests/viewer/picture/mouse_run.hpp"
-#include "viewer/picture/hand_hint.hpp"
+#include "viewer/picture/hand_control.hpp"
 
 namespace palpate {
 namespace {

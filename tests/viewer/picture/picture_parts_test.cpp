@@ -13,7 +13,7 @@
 #include "viewer/picture/guard_lamps.hpp"
 #include "viewer/picture/image.hpp"
 #include "viewer/picture/lattice_dots.hpp"
-#include "viewer/picture/screen_scale.hpp"
+#include "viewer/picture/window.hpp"
 
 namespace palpate {
 namespace {

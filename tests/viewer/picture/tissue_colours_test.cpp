@@ -68,7 +68,7 @@ TEST(PressureColours, ArePurpleInCompressionAndGreenInTension) {
 TEST(SurfaceColour, CyclesThroughAllAvailableColourings) {
   SurfaceColour colour = SurfaceColour::tissue;
   for (int n = 0; n < surface_colour_count; ++n) {
-    EXPECT_STRNE(word(colour), "");
+    EXPECT_STRNE(surface_colours.at(static_cast<std::size_t>(colour)), "");
     colour = following(colour);
   }
   EXPECT_EQ(colour, SurfaceColour::tissue);

@@ -1,4 +1,4 @@
-#include "viewer/picture/tool_shape.hpp"
+#include "viewer/picture/tool_view.hpp"
 
 #include <gtest/gtest.h>
 
