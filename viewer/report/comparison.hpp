@@ -1,10 +1,15 @@
 #pragma once
 
-#include "viewer/report/compared_properties.hpp"
+#include "viewer/report/dataset_facts.hpp"
 #include "viewer/report/error_measures.hpp"
 #include "viewer/report/force_way.hpp"
 
 namespace palpate {
+
+/// A property and its values in two datasets, in words.
+struct ComparedProperty {
+  std::string name, first, second;
+};
 
 /// Measurements of one of the two datasets at one place.
 struct ComparedSide {

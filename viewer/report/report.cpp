@@ -220,13 +220,6 @@ std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
   return chosen;
 }
 
-std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files) {
-  if (files.empty()) throw badInput("a report needs at least one dataset");
-  std::vector<Dataset> datasets(files.begin(), files.end());
-  std::ranges::for_each(datasets, warnIfPartial);
-  return datasets;
-}
-
 Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
   refuseOtherScenes(open);
   Report report;

@@ -3,7 +3,6 @@
 #include "viewer/report/area_measures.hpp"
 #include "viewer/report/compared_lattice.hpp"
 #include "viewer/report/dataset_facts.hpp"
-#include "viewer/report/error_shells.hpp"
 #include "viewer/report/field_comparison.hpp"
 #include "viewer/report/node_pictures.hpp"
 
@@ -102,9 +101,6 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open);
 /// Returns the methods `asked` for, each once; all methods if `asked` is empty. Throws Error (bad
 /// input) for an unknown method.
 std::vector<std::string> chosenMethods(const std::vector<std::string>& asked);
-
-/// Opens datasets. Throws Error (bad input) if one cannot be opened or `files` is empty.
-std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files);
 
 /// Returns the lattice for pictures and summaries: the measured lattice if there is one, otherwise
 /// that of all points of the first dataset.

@@ -1,5 +1,6 @@
 #include "viewer/report/report_command.hpp"
 
+#include <algorithm>
 #include <iostream>
 
 #include "common/base/error.hpp"
@@ -55,7 +56,8 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
     refuseInput(options.html, "--html", options.report.datasets);
     refuseUnwritable(options.html, "--html");
   }
-  std::vector<Dataset> open = openDatasets(options.report.datasets);
+  std::vector<Dataset> open(options.report.datasets.begin(), options.report.datasets.end());
+  std::ranges::for_each(open, warnIfPartial);
   if (open.size() == 2 && !sceneDifferences(open[0], open[1]).empty())
     return compare(options, std::move(open), output);
   ReportOptions wanted = options.report;

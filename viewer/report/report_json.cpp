@@ -57,43 +57,47 @@ Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
           {"arrays", sizes}};
 }
 
+/// Returns an object with the results of each method; null results are left out.
+template <class Results, class ToJson>
+Json byMethod(const Report& report, const std::vector<Results>& of_methods, const ToJson& toJson) {
+  PALPATE_ASSERT(of_methods.size() == report.methods.size(), "each method must have results");
+  Json all = Json::object();
+  for (std::size_t m = 0; m < of_methods.size(); ++m)
+    if (Json one = toJson(of_methods[m]); !one.is_null()) all[report.methods[m]] = std::move(one);
+  return all;
+}
+
+Json methodJson(const MethodMeasures& method) {
+  return {{"problem", method.problem.empty() ? Json(nullptr) : Json(method.problem)},
+          {"loop_work", method.loop_work},
+          {"nanoseconds_per_query", method.nanoseconds},
+          {"seconds_to_prepare", method.seconds_to_prepare},
+          {"whole_ball", toJson(method.all)},
+          {"covered_points", toJson(method.covered)}};
+}
+
 Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
-  PALPATE_ASSERT(lattice.methods.size() == report.methods.size(), "each method must have results");
-  Json methods = Json::object();
-  for (std::size_t m = 0; m < report.methods.size(); ++m) {
-    const MethodMeasures& method = lattice.methods[m];
-    methods[report.methods[m]] = {
-        {"problem", method.problem.empty() ? Json(nullptr) : Json(method.problem)},
-        {"loop_work", method.loop_work},
-        {"nanoseconds_per_query", method.nanoseconds},
-        {"seconds_to_prepare", method.seconds_to_prepare},
-        {"whole_ball", toJson(method.all)},
-        {"covered_points", toJson(method.covered)}};
-  }
   return {{"label", lattice.label},
           {"dataset", lattice.dataset},
           {"factor", lattice.factor},
           {"spacing", lattice.spacing},
           {"configurations_per_node", lattice.configurations},
           {"factorizations_per_node", lattice.factorizations},
-          {"methods", methods}};
+          {"methods", byMethod(report, lattice.methods, methodJson)}};
 }
 
 Json shellJson(const Report& report, const ErrorShell& shell) {
-  PALPATE_ASSERT(shell.methods.size() == report.methods.size(), "each method must have results");
-  Json methods = Json::object();
-  for (std::size_t m = 0; m < report.methods.size(); ++m)
-    methods[report.methods[m]] = toJson(shell.methods[m]);
-  return {{"from", shell.from}, {"to", shell.to}, {"methods", methods}};
+  const auto errorsOf = [](const ErrorMeasures& errors) { return toJson(errors); };
+  return {{"from", shell.from},
+          {"to", shell.to},
+          {"methods", byMethod(report, shell.methods, errorsOf)}};
 }
 
 Json nodeJson(const Report& report, const NodeMeasures& node) {
-  PALPATE_ASSERT(node.methods.size() == report.methods.size(),
-                 "each node must have results of every method");
-  Json methods = Json::object();
-  for (std::size_t m = 0; m < report.methods.size(); ++m)
-    // If the methods are not compared on a node, only the default method is measured.
-    if (node.methods[m].count > 0) methods[report.methods[m]] = toJson(node.methods[m]);
+  // If the methods are not compared on a node, only the default method is measured.
+  const auto measured = [](const ErrorMeasures& errors) {
+    return errors.count > 0 ? toJson(errors) : Json();
+  };
   Json tags = Json::object();
   for (std::size_t tag = 0; tag < node.tags.size(); ++tag)
     tags[std::string(name(static_cast<Tag>(tag)))] = node.tags[tag];
@@ -102,7 +106,7 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
           {"inconsistent_edges", node.jumps},
           {"references", node.held_out},
           {"largest_force", node.largest_force},
-          {"methods", methods}};
+          {"methods", byMethod(report, node.methods, measured)}};
 }
 
 Json areaJson(const AreaMeasures& area) {

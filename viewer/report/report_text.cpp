@@ -130,10 +130,7 @@ std::string failures(const Report& report) {
   return text;
 }
 
-std::string placeRow(const std::string& name, const std::array<std::string, 8>& cells) {
-  return fmt::format("{:<20}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}{:>10}\n", name, cells[0],
-                     cells[1], cells[2], cells[3], cells[4], cells[5], cells[6], cells[7]);
-}
+constexpr const char* place_row = "{:<20}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}{:>10}\n";
 
 }  // namespace
 
@@ -156,16 +153,17 @@ std::string comparisonText(const Comparison& comparison) {
     if (first != second)
       text += fmt::format("{:<24}", name) + wrapped("A: " + first, 24) + std::string(24, ' ') +
               wrapped("B: " + second, 24);
-  text += "\n" + placeRow("", {"stiffness", "", "mean", "", "|B - A|", "|B - A|", "of", "mean"}) +
-          placeRow("active node",
-                   {"A, N/m", "B, N/m", "force A", "force B", "mean", "max", "force A", "bounds"});
+  text += "\n" + fmt::format(place_row, "", "stiffness", "", "mean", "", "|B - A|", "|B - A|", "of",
+                             "mean");
+  text += fmt::format(place_row, "active node", "A, N/m", "B, N/m", "force A", "force B", "mean",
+                      "max", "force A", "bounds");
   for (const ComparedPlace& place : comparison.places) {
     const auto& [a, b] = place.sides;
-    text += placeRow(place.name,
-                     {formatNumber(a.stiffness, 3), formatNumber(b.stiffness, 3),
-                      formatNumber(a.mean_force, 3), formatNumber(b.mean_force, 3),
-                      formatNumber(place.difference.mean), formatNumber(place.difference.maximum),
-                      formatShare(place.relative), formatNumber(a.mean_bound + b.mean_bound)});
+    text += fmt::format(place_row, place.name, formatNumber(a.stiffness, 3),
+                        formatNumber(b.stiffness, 3), formatNumber(a.mean_force, 3),
+                        formatNumber(b.mean_force, 3), formatNumber(place.difference.mean),
+                        formatNumber(place.difference.maximum), formatShare(place.relative),
+                        formatNumber(a.mean_bound + b.mean_bound));
   }
   text += "\n" +
           wrapped(

@@ -1,4 +1,4 @@
-#include "viewer/report/error_shells.hpp"
+#include "viewer/report/error_measures.hpp"
 
 #include <gtest/gtest.h>
 
