@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "common/dataset/dataset.hpp"
-#include "viewer/export/grid.hpp"
+#include "viewer/export/vtu.hpp"
 #include "viewer/fields/force_field.hpp"
 
 namespace palpate {

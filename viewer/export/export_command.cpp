@@ -72,17 +72,17 @@ ForceAnswers answersFor(const ExportOptions& options, const Dataset& dataset) {
 
 /// Returns the configuration that the options select.
 ExportedConfiguration chosenConfiguration(const ExportOptions& options, const Dataset& dataset) {
-  ConfigurationSource source(dataset);
   if (!options.point.empty()) {
     // onlyTouch() also needs a displacement; any will do, because only the place is used.
     const auto place =
         options.at.empty() ? std::nullopt : onlyTouch(options.at, {"0", "0", "0"}, 1).at;
     const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(options.point.data());
-    return source.solved(options.active, place, point);
+    return solvedConfiguration(dataset, options.active, place, point);
   }
   const ForceAnswers answers = answersFor(options, dataset);
   const TouchInput touch = onlyTouch(options.at, options.displacement, answers.workspaceRadius());
-  return source.interpolated(answers, followWay({touch}, answers).front());
+  InterpolatedShape shape(dataset, answers.choice());
+  return interpolatedConfiguration(dataset, shape, answers, followWay({touch}, answers).front());
 }
 
 ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const ExportTarget& target,
@@ -98,7 +98,7 @@ ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const E
 ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
                       const std::vector<WayStep>& way, const ExportTarget& target,
                       std::ostream& output) {
-  ConfigurationSource source(dataset);
+  InterpolatedShape shape(dataset, answers.choice());
   const ConfigurationGrid grid(dataset);
   target.beginSeries();
   std::vector<SeriesFile> series;
@@ -109,7 +109,8 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
                    target.file().string());
       return ExitCode::interrupted;
     }
-    ExportedConfiguration configuration = source.interpolated(answers, way[n]);
+    ExportedConfiguration configuration =
+        interpolatedConfiguration(dataset, shape, answers, way[n]);
     configuration.way = way[n].way;
     outside += configuration.sample.inside ? 0 : 1;
     replaceFile(target.seriesFile(n), vtuBytes(grid.of(configuration)), "grid");

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
-#include "viewer/plot/csv.hpp"
 
 namespace palpate {
 namespace {
@@ -16,6 +15,11 @@ constexpr const char* axes = "xyz";
 std::string exact(double value) {
   // + 0.0 turns -0 into 0.
   return std::isfinite(value) ? fmt::format("{}", value + 0.0) : "";
+}
+
+/// Returns a line of the file. No title and no number needs quotes.
+std::string lineOf(const std::vector<std::string>& cells) {
+  return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
 void addTitles(std::vector<std::string>& titles, const char* name, const char* unit) {
@@ -36,7 +40,7 @@ std::vector<std::string> titlesOf(const ForceAnswer& answer) {
   return titles;
 }
 
-std::string lineOf(std::size_t number, const WayStep& step) {
+std::string stepLine(std::size_t number, const WayStep& step) {
   const auto& [touch, answer, length] = step;
   std::vector<std::string> cells = {std::to_string(number), exact(length)};
   const auto add = [&cells](const auto& vector) {
@@ -52,7 +56,7 @@ std::string lineOf(std::size_t number, const WayStep& step) {
   for (const double number_of : {sample.energy, sample.error_bound, sample.coverage})
     cells.push_back(exact(number_of));
   cells.emplace_back(sample.inside ? "1" : "0");
-  return csvLine(cells);
+  return lineOf(cells);
 }
 
 }  // namespace
@@ -65,8 +69,8 @@ std::string forceCurve(const std::vector<WayStep>& way) {
                                               way.front().answer.finger.has_value();
                                      }),
                  "all steps of a path must use the same force field");
-  std::string text = csvLine(titlesOf(way.front().answer));
-  for (std::size_t n = 0; n < way.size(); ++n) text += lineOf(n, way[n]);
+  std::string text = lineOf(titlesOf(way.front().answer));
+  for (std::size_t n = 0; n < way.size(); ++n) text += stepLine(n, way[n]);
   return text;
 }
 

@@ -45,10 +45,7 @@ bool isTouchedByFingersAlone(const Scene& scene) {
 /// Everything that the comparison of the methods needs.
 struct Study {
   const ReportOptions& options;
-  const std::vector<Dataset>& open;
-  const std::vector<std::string>& methods;
-  const AccuracyTarget& target;
-  const HeldOut& held_out;
+  const Report& report;               ///< with datasets, methods, target and held-out solutions
   std::vector<std::size_t> compared;  ///< indices of active nodes
 };
 
@@ -61,7 +58,7 @@ LatticeMeasures costOf(const Study& study, ComparedLattice&& lattice) {
   // The sums are integers, so they are exact in doubles.
   for (const std::size_t s : study.compared) {
     std::int64_t& configurations = measures.node_configurations.emplace_back(0);
-    const std::shared_ptr<const SpaceTable> of_node = tableOf(study.open, measures, s);
+    const std::shared_ptr<const SpaceTable> of_node = tableOf(study.report.open, measures, s);
     for (const PointRecord& point : of_node->points) {
       if (!isSolved(point.tag)) continue;
       ++configurations;
@@ -88,24 +85,25 @@ std::optional<std::size_t> measuredOf(const std::vector<LatticeMeasures>& lattic
 /// Measures the times of the methods one after the other, while nothing else runs.
 std::vector<MethodMeasures> timed(const Study& study, const ComparedLattice& lattice) {
   // One node is enough, because all nodes are alike. Preparing takes seconds for some methods.
-  const auto first = tableOf(study.open, lattice, study.compared.front());
-  return mapped(study.methods, [&](const std::string& method) {
+  const auto first = tableOf(study.report.open, lattice, study.compared.front());
+  return mapped(study.report.methods, [&](const std::string& method) {
     return MethodMeasures{timeMethod(*first, method, study.options.seconds_per_timing)};
   });
 }
 
 /// Returns the results of all methods on each compared node.
 std::vector<NodeComparison> compared(const Study& study, const ComparedLattice& lattice) {
-  spdlog::info("{}: comparing {} on {}", lattice.label, counted(study.methods.size(), "method"),
+  spdlog::info("{}: comparing {} on {}", lattice.label,
+               counted(study.report.methods.size(), "method"),
                counted(study.compared.size(), "active node"));
-  const bool is_measurable = study.held_out.measures(lattice);
+  const bool is_measurable = study.report.held_out.measures(lattice);
   // Each task writes only its own element.
   std::vector<NodeComparison> nodes(study.compared.size());
   inParallel(nodes.size(), [&](std::size_t n) {
     const std::size_t space = study.compared[n];
     nodes[n] = compareMethods(
-        *tableOf(study.open, lattice, space), study.methods,
-        is_measurable ? study.held_out.of_space[space] : std::vector<HeldOutSolution>(),
+        *tableOf(study.report.open, lattice, space), study.report.methods,
+        is_measurable ? study.report.held_out.of_space[space] : std::vector<HeldOutSolution>(),
         n < study.options.looped_nodes);
   });
   return nodes;
@@ -121,31 +119,32 @@ void pool(const Study& study, const std::vector<NodeComparison>& nodes, std::siz
     measures.loop_work = std::fmax(measures.loop_work, node.loop_work);
     if (!node.problem.empty() && measures.problem.empty())
       measures.problem =
-          study.open.front().spaces()[study.compared[n]].patch.name + ": " + node.problem;
+          study.report.open.front().spaces()[study.compared[n]].patch.name + ": " + node.problem;
   }
-  measures.all = measureErrors(pooled, study.target);
-  measures.covered = measureCoveredErrors(pooled, study.target);
+  measures.all = measureErrors(pooled, study.report.target);
+  measures.covered = measureCoveredErrors(pooled, study.report.target);
 }
 
 NodeErrors errorsOf(const Study& study, const std::vector<NodeComparison>& nodes) {
   NodeErrors errors(nodes.size());
   for (std::size_t n = 0; n < nodes.size(); ++n)
     for (const MethodComparison& method : nodes[n])
-      errors[n].push_back(measureErrors(method.comparisons, study.target));
+      errors[n].push_back(measureErrors(method.comparisons, study.report.target));
   return errors;
 }
 
 std::vector<ErrorShell> shellsOf(const Study& study, const std::vector<NodeComparison>& nodes) {
-  std::vector<std::vector<DistanceComparison>> methods(study.methods.size());
+  std::vector<std::vector<DistanceComparison>> methods(study.report.methods.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    const std::vector<HeldOutSolution>& held_out = study.held_out.of_space[study.compared[n]];
+    const std::vector<HeldOutSolution>& held_out =
+        study.report.held_out.of_space[study.compared[n]];
     PALPATE_ASSERT(nodes[n].size() == methods.size(), "each node needs results of every method");
     for (std::size_t m = 0; m < methods.size(); ++m)
       for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
         methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
   }
-  const double radius = study.open.front().spaces().front().lattice.radius();
-  return measureShells(methods, radius, study.target);
+  const double radius = study.report.open.front().spaces().front().lattice.radius();
+  return measureShells(methods, radius, study.report.target);
 }
 
 /// Returns the measurements of all active nodes. errors: errors of the compared nodes on the
@@ -154,15 +153,15 @@ std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) 
   PALPATE_ASSERT(errors.empty() || errors.size() == study.compared.size(),
                  "a measured lattice must have errors of every compared node");
   std::vector<NodeMeasures> nodes;
-  for (const SpaceTable& space : study.open.front().spaces()) {
-    const std::size_t held_out = study.held_out.of_space[nodes.size()].size();
+  for (const SpaceTable& space : study.report.open.front().spaces()) {
+    const std::size_t held_out = study.report.held_out.of_space[nodes.size()].size();
     NodeMeasures& node = nodes.emplace_back();
     node.name = space.patch.name;
     node.held_out = held_out;
     node.jumps = space.inconsistent_edges.size();
     node.largest_force = largestForce(space);
     for (const PointRecord& point : space.points) ++node.tags[static_cast<std::size_t>(point.tag)];
-    node.methods.resize(study.methods.size());
+    node.methods.resize(study.report.methods.size());
   }
   for (std::size_t n = 0; n < study.compared.size(); ++n) {
     nodes[study.compared[n]].compared = n;
@@ -175,21 +174,22 @@ std::vector<NodeMeasures> nodesOf(const Study& study, const NodeErrors& errors) 
 void measureOthers(const Study& study, const LatticeMeasures& measured,
                    std::vector<NodeMeasures>& nodes) {
   if (study.compared.size() == nodes.size()) return;
-  spdlog::info("{}: measuring {} on the other active nodes", measured.label, study.methods.front());
+  spdlog::info("{}: measuring {} on the other active nodes", measured.label,
+               study.report.methods.front());
   inParallel(nodes.size(), [&](std::size_t s) {
     if (nodes[s].compared) return;
     const NodeComparison result =
-        compareMethods(*tableOf(study.open, measured, s), {study.methods.front()},
-                       study.held_out.of_space[s], false);
-    nodes[s].methods.front() = measureErrors(result.front().comparisons, study.target);
+        compareMethods(*tableOf(study.report.open, measured, s), {study.report.methods.front()},
+                       study.report.held_out.of_space[s], false);
+    nodes[s].methods.front() = measureErrors(result.front().comparisons, study.report.target);
   });
 }
 
 void measureBounds(const Study& study, const LatticeMeasures& shown,
                    std::vector<NodeMeasures>& nodes) {
   inParallel(nodes.size(), [&](std::size_t s) {
-    const auto table = tableOf(study.open, shown, s);
-    if (const auto field = tryToMake(study.methods.front(), *table).field)
+    const auto table = tableOf(study.report.open, shown, s);
+    if (const auto field = tryToMake(study.report.methods.front(), *table).field)
       nodes[s].bound = sampleBounds(*field, table->lattice.radius());
   });
 }
@@ -199,8 +199,9 @@ std::vector<NodePictures> picturesOf(const Study& study, const LatticeMeasures& 
   std::vector<NodePictures> pictures(std::min(worst.size(), study.options.pictured_nodes));
   inParallel(pictures.size(), [&](std::size_t n) {
     const std::size_t node = worst[n];
-    pictures[n] = sampleNode(*tableOf(study.open, shown, node), study.open.front().spaces()[node],
-                             study.methods, study.held_out.of_space[node]);
+    pictures[n] = sampleNode(*tableOf(study.report.open, shown, node),
+                             study.report.open.front().spaces()[node], study.report.methods,
+                             study.report.held_out.of_space[node]);
     pictures[n].node = node;
   });
   return pictures;
@@ -232,32 +233,28 @@ Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
   std::vector<ComparedLattice> lattices = latticesIn(report.open);
   report.held_out = heldOutOf(report.open, lattices);
   const Study study = {
-      options,
-      report.open,
-      report.methods,
-      report.target,
-      report.held_out,
+      options, report,
       evenly(report.open.front().spaces().size(), report.areas_alone ? 1 : options.compared_nodes)};
-  PALPATE_ASSERT(!study.compared.empty() && !study.methods.empty(),
+  PALPATE_ASSERT(!study.compared.empty() && !study.report.methods.empty(),
                  "a report needs an active node and a method");
-  PALPATE_ASSERT(study.held_out.of_space.size() == report.open.front().spaces().size(),
+  PALPATE_ASSERT(study.report.held_out.of_space.size() == report.open.front().spaces().size(),
                  "each active node must have its held-out solutions");
   report.compared = study.compared.size();
 
   for (ComparedLattice& lattice : lattices)
     report.lattices.push_back(costOf(study, std::move(lattice)));
   std::ranges::stable_sort(report.lattices, {}, &LatticeMeasures::configurations);
-  report.measured = measuredOf(report.lattices, study.held_out);
-  PALPATE_ASSERT(!report.measured || study.held_out.measures(shownLattice(report)),
+  report.measured = measuredOf(report.lattices, study.report.held_out);
+  PALPATE_ASSERT(!report.measured || study.report.held_out.measures(shownLattice(report)),
                  "a lattice must not be measured with its own points");
   NodeErrors errors;
   for (std::size_t n = 0; n < report.lattices.size(); ++n) {
     LatticeMeasures& lattice = report.lattices[n];
     lattice.methods = timed(study, lattice);
     const std::vector<NodeComparison> nodes = compared(study, lattice);
-    for (std::size_t m = 0; m < study.methods.size(); ++m)
+    for (std::size_t m = 0; m < study.report.methods.size(); ++m)
       pool(study, nodes, m, lattice.methods[m]);
-    if (!study.held_out.measures(lattice)) continue;
+    if (!study.report.held_out.measures(lattice)) continue;
     NodeErrors of_nodes = errorsOf(study, nodes);
     for (const std::vector<ErrorMeasures>& methods : of_nodes)
       lattice.node_errors.push_back(
