@@ -73,22 +73,17 @@ inline bool isThere(const char* function, const char* name, const void* pointer)
   return pointer != nullptr || refuse("{}: {} is NULL", function, name);
 }
 
-/// Sizes of the structures in their first published version; no caller has a smaller one.
-constexpr std::size_t firstSize(const palpate_open_options*) { return 32; }
-constexpr std::size_t firstSize(const palpate_dataset_info*) { return 64; }
-constexpr std::size_t firstSize(const palpate_space_info*) { return 72; }
-constexpr std::size_t firstSize(const palpate_sample*) { return 136; }
+/// Sizes of the structures in their first published version; no caller has a smaller one. Only the
+/// structures below have grown since.
+template <class Struct>
+constexpr std::size_t firstSize(const Struct*) {
+  return sizeof(Struct);
+}
 constexpr std::size_t firstSize(const palpate_answers*) { return 80; }
-constexpr std::size_t firstSize(const palpate_area_info*) { return 40; }
 constexpr std::size_t firstSize(const palpate_area_sample*) { return 184; }
 constexpr std::size_t firstSize(const palpate_contact_options*) { return 48; }
-constexpr std::size_t firstSize(const palpate_touches*) { return 128; }
-constexpr std::size_t firstSize(const palpate_live_options*) { return 40; }
-constexpr std::size_t firstSize(const palpate_live_info*) { return 56; }
 constexpr std::size_t firstSize(const palpate_touch*) { return 360; }
-constexpr std::size_t firstSize(const palpate_profile*) { return 40; }
 constexpr std::size_t firstSize(const palpate_guard_options*) { return 64; }
-constexpr std::size_t firstSize(const palpate_guarded_force*) { return 48; }
 
 /// Records a failure and returns false if the caller's structure is NULL or has an unknown size.
 template <class Struct>

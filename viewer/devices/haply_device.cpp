@@ -144,7 +144,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
     exchange_->setTrouble(fmt::format("lost the Haply Inverse Service at {} ({}): {}", place_,
                                       error.message(), how_to_start));
   };
-  std::string id = options_.id, text, told = "not logged yet";
+  std::string id = options_.id, text;
   std::uint64_t malformed = 0;
   Clock::duration limit = connect_limit;  // for the inventory at first, then for each answer
   for (auto next = Clock::now(); !stop.stop_requested();) {
@@ -171,7 +171,7 @@ void HaplyDevice::serve(const std::stop_token& stop) {
     if (malformed > 0)
       trouble += fmt::format("{}{} invalid messages from {} were ignored",
                              trouble.empty() ? "" : "; ", malformed, place_);
-    if (trouble != told) exchange_->setTrouble(told = trouble);
+    exchange_->setTrouble(trouble);
     // The service sends one answer per message, so this pause also sets the rate of the answers.
     next = std::max(next + period, Clock::now());
     std::this_thread::sleep_until(next);

@@ -7,12 +7,11 @@ namespace {
 
 using nlohmann::json;
 
-/// Returns a member of a JSON object; null if the member is missing.
-const json& member(const json& value, const char* key) {
+/// Returns the value at a JSON pointer; null if there is none.
+const json& valueAt(const json& value, const std::string& path) {
   static const json none;
-  if (!value.is_object()) return none;
-  const auto found = value.find(key);
-  return found == value.end() ? none : *found;
+  const json::json_pointer pointer(path);
+  return value.contains(pointer) ? value.at(pointer) : none;
 }
 
 /// Converts the service's axes (x right, y forward, z up) to ours (x right, y up, z toward the
@@ -21,7 +20,7 @@ Eigen::Vector3d toOurAxes(const Eigen::Vector3d& v) { return {v.x(), v.z(), -v.y
 Eigen::Vector3d toServiceAxes(const Eigen::Vector3d& v) { return {v.x(), -v.z(), v.y()}; }
 
 bool readVector(const json& value, Eigen::Vector3d& vector) {
-  const json &x = member(value, "x"), &y = member(value, "y"), &z = member(value, "z");
+  const json &x = valueAt(value, "/x"), &y = valueAt(value, "/y"), &z = valueAt(value, "/z");
   if (!x.is_number() || !y.is_number() || !z.is_number()) return false;
   vector = {x.get<double>(), y.get<double>(), z.get<double>()};
   return true;
@@ -29,23 +28,21 @@ bool readVector(const json& value, Eigen::Vector3d& vector) {
 
 /// Returns the button bits of the first VerseGrip: a, b and c if wireless, one button if wired.
 std::uint32_t buttonsIn(const json& message) {
+  constexpr std::array<std::pair<const char*, std::uint32_t>, 4> buttons = {
+      {{"/wireless_verse_grip/0/state/buttons/a", 1},
+       {"/wireless_verse_grip/0/state/buttons/b", 2},
+       {"/wireless_verse_grip/0/state/buttons/c", 4},
+       {"/verse_grip/0/state/button", 1}}};
   std::uint32_t bits = 0;
-  const auto first = [&](const char* key) -> const json& {
-    const json& grips = member(message, key);
-    return grips.is_array() && !grips.empty() ? member(grips.front(), "state") : member(json(), "");
-  };
-  const json& buttons = member(first("wireless_verse_grip"), "buttons");
-  const char* const names[] = {"a", "b", "c"};
-  for (unsigned bit = 0; bit < 3; ++bit)
-    if (member(buttons, names[bit]) == true) bits |= 1U << bit;
-  if (member(first("verse_grip"), "button") == true) bits |= 1;
+  for (const auto& [path, bit] : buttons)
+    if (valueAt(message, path) == true) bits |= bit;
   return bits;
 }
 
 std::string troubleIn(const json& status, const std::string& id) {
-  if (member(status, "power_supply") == false)
+  if (valueAt(status, "/power_supply") == false)
     return "Inverse3 " + id + " has no power and renders no force: connect its power supply";
-  if (member(status, "calibrated") == false)
+  if (valueAt(status, "/calibrated") == false)
     return "Inverse3 " + id +
            " is not calibrated: put its arm into the inkwell, or follow the instructions of the "
            "Haply Hub";
@@ -59,10 +56,10 @@ HaplyState readHaplyState(std::string_view text, const std::string& id) {
   const json message = json::parse(text, nullptr, false);
   if (!message.is_object()) return state;
   state.kind = HaplyState::Kind::no_device;
-  const json& devices = member(message, "inverse3");
+  const json& devices = valueAt(message, "/inverse3");
   if (!devices.is_array()) return state;
   for (const json& device : devices) {
-    const json& name = member(device, "device_id");
+    const json& name = valueAt(device, "/device_id");
     if (!name.is_string()) continue;
     if (!id.empty() && name != id) {
       state.id += (state.id.empty() ? "" : ", ") + name.get<std::string>();
@@ -70,14 +67,14 @@ HaplyState readHaplyState(std::string_view text, const std::string& id) {
     }
     state.id = name;
     Eigen::Vector3d position;
-    if (!readVector(member(member(device, "state"), "cursor_position"), position)) {
+    if (!readVector(valueAt(device, "/state/cursor_position"), position)) {
       // The device is listed, so the connection stays open.
       state.kind = HaplyState::Kind::malformed;
       return state;
     }
     state.kind = HaplyState::Kind::reading;
     state.reading = {toOurAxes(position), buttonsIn(message), DeviceStatus::fresh};
-    state.trouble = troubleIn(member(device, "status"), state.id);
+    state.trouble = troubleIn(valueAt(device, "/status"), state.id);
     return state;
   }
   return state;

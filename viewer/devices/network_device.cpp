@@ -179,8 +179,6 @@ void NetworkDevice::tellTrouble() {
   if (garbage_ > 0)
     sentence += fmt::format("{}{} invalid messages from {} were ignored",
                             sentence.empty() ? "" : "; ", garbage_, options_.endpoint);
-  if (sentence == told_) return;
-  told_ = sentence;
   exchange_->setTrouble(sentence);
 }
 

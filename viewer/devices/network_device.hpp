@@ -71,7 +71,7 @@ class NetworkDevice : public ThreadedDevice {
   double max_force_ = 0;    ///< N; smallest of all limits that apply
   std::uint64_t last_reading_ = 0, forces_ = 0, garbage_ = 0;
   Clock::time_point last_heard_, last_greeting_, last_force_;
-  std::string connection_trouble_, device_trouble_, told_;
+  std::string connection_trouble_, device_trouble_;
 
   std::jthread thread_;  ///< last member: ends before the members that it uses are destroyed
 };

@@ -92,19 +92,6 @@ std::string describeSample(const std::optional<FingerPlace>& place,
   return text;
 }
 
-std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& displacement,
-                              const ForceSample& sample, std::string_view method) {
-  std::string text = describeSample(std::nullopt, displacement, sample);
-  if (!sample.inside)
-    return text +
-           fmt::format("inside        NO: {}.\n\n", describeOutside(space.lattice, displacement));
-  text += fmt::format("inside        yes, method {}", method);
-  if (sample.coverage < 1)
-    text += fmt::format("; {:.0f} % based on solved lattice points of one branch{}",
-                        100 * sample.coverage, describeGaps(space, displacement));
-  return text + "\n\n";
-}
-
 /// Explains why `inside` is false in an answer of an area.
 std::string describeFault(const FingerPlace& place, bool in_ball) {
   switch (place.fault) {
@@ -120,22 +107,26 @@ std::string describeFault(const FingerPlace& place, bool in_ball) {
   return in_ball ? "nothing was solved nearby" : "the displacement is beyond the workspace";
 }
 
-std::string describeInArea(const FingerPlace& place, double radius,
-                           const Eigen::Vector3d& displacement, const ForceSample& sample) {
-  std::string text = describeSample(place, displacement, sample);
-  if (sample.inside)
-    return text + fmt::format("inside        yes; {:.0f} % based on solved lattice points\n\n",
-                              100 * sample.coverage);
-  return text + fmt::format("inside        NO: {}.\n\n",
-                            describeFault(place, displacement.stableNorm() <= radius));
-}
-
 std::string answerText(const ForceAnswers& answers, const Eigen::Vector3d& p,
                        const ForceAnswer& answer, bool json) {
-  if (json) return describeJson(answer.finger, p, answer.sample, answers.method());
-  if (answer.finger)
-    return describeInArea(*answer.finger, answers.workspaceRadius(), p, answer.sample);
-  return describeForPerson(answers.firstSpace(), p, answer.sample, answers.method());
+  const auto& [sample, place] = answer;
+  if (json) return describeJson(place, p, sample, answers.method());
+  const SpaceTable& space = answers.firstSpace();
+  std::string text = describeSample(place, p, sample);
+  if (!sample.inside)
+    text += "inside        NO: " +
+            (place ? describeFault(*place, p.stableNorm() <= answers.workspaceRadius())
+                   : describeOutside(space.lattice, p)) +
+            ".";
+  else if (place)
+    text += fmt::format("inside        yes; {:.0f} % based on solved lattice points",
+                        100 * sample.coverage);
+  else
+    text += fmt::format("inside        yes, method {}", answers.method());
+  if (sample.inside && !place && sample.coverage < 1)
+    text += fmt::format("; {:.0f} % based on solved lattice points of one branch{}",
+                        100 * sample.coverage, describeGaps(space, p));
+  return text + "\n\n";
 }
 
 }  // namespace

@@ -34,44 +34,34 @@ constexpr auto byProjection(Less less, Projection projection) {
   };
 }
 
-template <class Range, class Predicate>
-constexpr bool all_of(Range&& range, Predicate predicate) {
-  return std::all_of(std::begin(range), std::end(range),
-                     [&](auto&& value) { return std::invoke(predicate, value); });
-}
-template <class Range, class Predicate>
-constexpr bool any_of(Range&& range, Predicate predicate) {
-  return std::any_of(std::begin(range), std::end(range),
-                     [&](auto&& value) { return std::invoke(predicate, value); });
-}
-template <class Range, class Predicate>
-constexpr bool none_of(Range&& range, Predicate predicate) {
-  return !any_of(range, predicate);
-}
-template <class Range, class Visit>
-constexpr void for_each(Range&& range, Visit visit) {
-  std::for_each(std::begin(range), std::end(range), std::ref(visit));
-}
-template <class Range, class Out>
-constexpr auto copy(Range&& range, Out out) {
-  return std::copy(std::begin(range), std::end(range), out);
-}
-template <class Range, class Value>
-constexpr void fill(Range&& range, const Value& value) {
-  std::fill(std::begin(range), std::end(range), value);
-}
-template <class Range, class Less = std::less<>, class Projection = std::identity>
-constexpr bool is_sorted(Range&& range, Less less = {}, Projection projection = {}) {
-  return std::is_sorted(std::begin(range), std::end(range), byProjection(less, projection));
-}
-template <class Range, class Less = std::less<>, class Projection = std::identity>
-constexpr void sort(Range&& range, Less less = {}, Projection projection = {}) {
-  std::sort(std::begin(range), std::end(range), byProjection(less, projection));
-}
-template <class Range, class Less = std::less<>, class Projection = std::identity>
-void stable_sort(Range&& range, Less less = {}, Projection projection = {}) {
-  std::stable_sort(std::begin(range), std::end(range), byProjection(less, projection));
-}
+#define PALPATE_LACKING(algorithm)                                      \
+  template <class Range, class... More>                                 \
+  constexpr auto algorithm(Range&& range, const More&... more) {        \
+    return std::algorithm(std::begin(range), std::end(range), more...); \
+  }
+PALPATE_LACKING(all_of)
+PALPATE_LACKING(any_of)
+PALPATE_LACKING(none_of)
+PALPATE_LACKING(for_each)
+PALPATE_LACKING(copy)
+PALPATE_LACKING(fill)
+PALPATE_LACKING(binary_search)
+PALPATE_LACKING(max_element)
+PALPATE_LACKING(adjacent_find)
+#undef PALPATE_LACKING
+
+/// Algorithms that compare the projections of elements.
+#define PALPATE_LACKING(algorithm)                                                             \
+  template <class Range, class Less = std::less<>, class Projection = std::identity>           \
+  constexpr auto algorithm(Range&& range, Less less = {}, Projection projection = {}) {        \
+    return std::algorithm(std::begin(range), std::end(range), byProjection(less, projection)); \
+  }
+PALPATE_LACKING(is_sorted)
+PALPATE_LACKING(sort)
+PALPATE_LACKING(stable_sort)
+PALPATE_LACKING(min_element)
+#undef PALPATE_LACKING
+
 template <class Range, class Middle, class Less = std::less<>, class Projection = std::identity>
 constexpr void partial_sort(Range&& range, Middle middle, Less less = {},
                             Projection projection = {}) {
@@ -85,23 +75,6 @@ constexpr auto lower_bound(Range&& range, const Value& value, Less less = {},
                             return std::invoke(less, std::invoke(projection, element), wanted);
                           });
 }
-template <class Range, class Value, class Less = std::less<>>
-constexpr bool binary_search(Range&& range, const Value& value, Less less = {}) {
-  return std::binary_search(std::begin(range), std::end(range), value, less);
-}
-template <class Range, class Less = std::less<>>
-constexpr auto max_element(Range&& range, Less less = {}) {
-  return std::max_element(std::begin(range), std::end(range), less);
-}
-template <class Range, class Less = std::less<>, class Projection = std::identity>
-constexpr auto min_element(Range&& range, Less less = {}, Projection projection = {}) {
-  return std::min_element(std::begin(range), std::end(range), byProjection(less, projection));
-}
-template <class Range, class Predicate>
-constexpr auto adjacent_find(Range&& range, Predicate predicate) {
-  return std::adjacent_find(std::begin(range), std::end(range), predicate);
-}
-
 }  // namespace ranges
 }  // namespace std
 
