@@ -57,8 +57,6 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
     places.emplace_back(dataset.mesh(), dataset.fixedNodes(),
                         centersOf(chosenOf(model.spaces(), area.spaces)), area.radius);
   }
-  PALPATE_ASSERT(areas.size() == places.size() && spaces.size() == model.spaces().size(),
-                 "each area and space of the model must be described");
 }
 
 }  // namespace palpate

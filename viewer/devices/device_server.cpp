@@ -158,7 +158,6 @@ void DeviceServer::release() {
 }
 
 void DeviceServer::sendReading(const DeviceReading& reading) {
-  PALPATE_ASSERT(!holder_.empty(), "a reading needs a client that holds the device");
   wire::DeviceMessage message;
   wire::DeviceReading& content = *message.mutable_reading();
   content.set_sequence(++sequence_);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/text_lines.hpp"
 #include "common/base/whole_file.hpp"
@@ -20,7 +19,6 @@ double slopeBetween(double before, double after, double step_before, double step
 }
 
 std::vector<Eigen::Vector3d> velocitiesIn(const std::vector<HandWaypoint>& waypoints) {
-  PALPATE_ASSERT(!waypoints.empty(), "a path must have at least one waypoint");
   std::vector<Eigen::Vector3d> velocities(waypoints.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 1; i + 1 < waypoints.size(); ++i) {
     const double before = waypoints[i].time - waypoints[i - 1].time;

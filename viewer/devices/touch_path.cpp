@@ -133,11 +133,10 @@ std::vector<Stroke> strokesOf(const HapticModel& model) {
 class Surroundings {
  public:
   explicit Surroundings(const TouchSurface& surface) : surface_(surface) {
-    for (const Eigen::Vector3d& vertex : surface.vertices()) middle_ += vertex;
-    middle_ /= static_cast<double>(surface.vertices().size());
-    for (const Eigen::Vector3d& vertex : surface.vertices())
-      radius_ = std::max(radius_, (vertex - middle_).norm());
-    radius_ += clearance;
+    const Eigen::Map<const Eigen::Matrix3Xd> vertices(surface.vertices().front().data(), 3,
+                                                      std::ssize(surface.vertices()));
+    middle_ = vertices.rowwise().mean();
+    radius_ = clearance + (vertices.colwise() - middle_).colwise().norm().maxCoeff();
   }
 
   Eigen::Vector3d before(const Site& site) const { return site.point + clearance * site.normal; }
@@ -231,7 +230,6 @@ void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vecto
 HandPath touchPath(const HapticModel& model, double slide_speed) {
   PALPATE_ASSERT(slide_speed > 0, "the sliding speed must be positive");
   const std::vector<Stroke> strokes = strokesOf(model);
-  PALPATE_ASSERT(std::ranges::none_of(strokes, &Stroke::empty), "each stroke must have a site");
   const Surroundings around(model.surface());
   PathWriter path;
   path.goTo(around.before(strokes.front().front()), 0);

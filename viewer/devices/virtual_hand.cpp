@@ -1,6 +1,5 @@
 #include "viewer/devices/virtual_hand.hpp"
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -20,7 +19,6 @@ VirtualHand::VirtualHand(HandPath path, double period, const DeviceProfile& prof
     throw badInput("virtual hand: a period of {} s is too long for its motion; raise the rate",
                    period);
   position_ = path_.at(path_.beginning()).position;
-  PALPATE_ASSERT(position_.allFinite(), "the hand must start at a finite position");
 }
 
 DeviceReading VirtualHand::read() noexcept {

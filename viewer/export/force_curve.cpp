@@ -63,12 +63,6 @@ std::string stepLine(std::size_t number, const WayStep& step) {
 
 std::string forceCurve(const std::vector<WayStep>& way) {
   PALPATE_ASSERT(!way.empty(), "a path must have a first step");
-  PALPATE_ASSERT(std::ranges::all_of(way,
-                                     [&](const WayStep& step) {
-                                       return step.answer.finger.has_value() ==
-                                              way.front().answer.finger.has_value();
-                                     }),
-                 "all steps of a path must use the same force field");
   std::string text = lineOf(titlesOf(way.front().answer));
   for (std::size_t n = 0; n < way.size(); ++n) text += stepLine(n, way[n]);
   return text;

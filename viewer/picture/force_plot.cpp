@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -117,24 +116,24 @@ float plotLegendWidth() {
 
 /// Draws above the curves as many entries of the legend as fit.
 void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
-  const float middle = at.y + ImGui::GetTextLineHeight() / 2;
-  const auto entry = [&](const char* text, float key) {
-    const float width = ImGui::CalcTextSize(text).x;
-    const float begin = at.x + (key > 0 ? key + px(key_gap) : 0);
-    if (begin + width > right) return std::optional<float>();
+  const float middle = at.y + ImGui::GetTextLineHeight() / 2, key = px(key_length);
+  const auto entry = [&](float width, const char* text) {
+    const float begin = at.x + width, end = begin + ImGui::CalcTextSize(text).x;
+    if (end > right) return false;
     draw.AddText({begin, at.y}, ink, text);
-    const float left = at.x;
-    at.x = begin + width + px(legend_gap);
-    return std::optional(left);
+    at.x = end + px(legend_gap);
+    return true;
   };
-  entry(at.x + plotLegendWidth() > right ? short_plot_title : plot_title, 0);
-  const float key = px(key_length);
-  for (std::size_t curve = 0; curve < curve_colours.size(); ++curve)
-    if (const auto left = entry(legend_names[curve], key))
-      draw.AddLine({*left, middle}, {*left + key, middle}, curve_colours[curve], px(2));
-  if (const auto left = entry(legend_names.back(), key))
-    draw.AddRectFilled({*left, middle - px(band_height) / 2},
-                       {*left + key, middle + px(band_height) / 2}, band_colour);
+  entry(0, at.x + plotLegendWidth() > right ? short_plot_title : plot_title);
+  for (std::size_t n = 0; n < legend_names.size(); ++n) {
+    const ImVec2 from = at;
+    if (!entry(key + px(key_gap), legend_names[n])) continue;
+    if (n < curve_colours.size())
+      draw.AddLine({from.x, middle}, {from.x + key, middle}, curve_colours[n], px(2));
+    else
+      draw.AddRectFilled({from.x, middle - px(band_height) / 2},
+                         {from.x + key, middle + px(band_height) / 2}, band_colour);
+  }
 }
 
 }  // namespace

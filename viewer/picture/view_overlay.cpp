@@ -10,7 +10,6 @@
 #include "viewer/picture/label_place.hpp"
 #include "viewer/picture/legends.hpp"
 #include "viewer/picture/panel_style.hpp"
-#include "viewer/picture/scale_and_axes.hpp"
 #include "viewer/picture/touch_words.hpp"
 #include "viewer/picture/view_keys.hpp"
 

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/sites.hpp"
@@ -92,9 +91,6 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
     measures.on_triangles.push_back(spread.median);
     measures.worst_on_triangles.push_back(spread.maximum);
   }
-  PALPATE_ASSERT(
-      measures.on_triangles.size() == found.size() && measures.depths.size() == depths.size(),
-      "each triangle must be evaluated, at each depth");
 }
 
 void measureDepths(AreaMeasures& measures) {

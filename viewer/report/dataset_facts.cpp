@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/dataset/hdf5_handle.hpp"
 
@@ -57,8 +56,6 @@ DatasetFacts factsOf(const Dataset& dataset) {
     for (const PointRecord& point : space.points) facts.configurations += isSolved(point.tag);
   }
   forEachProbe(dataset, [&](const PointRecord& probe) { facts.probes.add(probe); });
-  PALPATE_ASSERT(facts.configurations <= facts.lattice_points,
-                 "each configuration must be at a lattice point");
   facts.sizes = arraySizes(dataset);
   return facts;
 }
