@@ -1,14 +1,12 @@
 #include "viewer/doctor.hpp"
 
-#include <netinet/in.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 #include <sys/utsname.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <boost/asio/ip/tcp.hpp>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -53,14 +51,13 @@ Finding realTimePriority() {
 
 Finding lockedMemory() {
   rlimit limit{};
-  if (getrlimit(RLIMIT_MEMLOCK, &limit) != 0)
-    return {Verdict::note, "locked memory", fmt::format("unknown: {}", errnoText())};
-  if (limit.rlim_cur == RLIM_INFINITY) return {Verdict::good, "locked memory", "no limit"};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
   constexpr rlim_t enough = 1U << 30;
-  const std::string found = fmt::format("at most {} MiB", limit.rlim_cur >> 20);
-  return limit.rlim_cur >= enough
-             ? Finding{Verdict::good, "locked memory", found}
-             : Finding{Verdict::note, "locked memory", found, realTimeAdvice()};
+  const std::string found = limit.rlim_cur == RLIM_INFINITY
+                                ? "no limit"
+                                : fmt::format("at most {} MiB", limit.rlim_cur >> 20);
+  if (limit.rlim_cur >= enough) return {Verdict::good, "locked memory", found};
+  return {Verdict::note, "locked memory", found, realTimeAdvice()};
 }
 
 /// Returns the wake-up latencies of sleeps that begin 1 ms apart, sorted, s.
@@ -92,7 +89,7 @@ Finding timer() {
 
 Finding kernel() {
   utsname name{};
-  if (uname(&name) != 0) return {Verdict::note, "kernel", fmt::format("unknown: {}", errnoText())};
+  uname(&name);
   const bool preemptible = firstLine("/sys/kernel/realtime") == "1";
   return {Verdict::good, "kernel",
           fmt::format("{} {}{}", name.sysname, name.release, preemptible ? ", PREEMPT_RT" : "")};
@@ -116,11 +113,10 @@ Finding display() {
 
 Finding haplyService() {
   constexpr std::uint16_t port = 10001;
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const sockaddr_in address{AF_INET, htons(port), {htonl(INADDR_LOOPBACK)}, {}};
-  const bool answers = socket >= 0 && connect(socket, reinterpret_cast<const sockaddr*>(&address),
-                                              sizeof address) == 0;
-  if (socket >= 0) close(socket);
+  const bool answers =
+      boost::asio::ip::tcp::iostream(
+          boost::asio::ip::tcp::endpoint(boost::asio::ip::address_v4::loopback(), port))
+          .good();
   return {Verdict::good, "Haply service",
           answers
               ? fmt::format("answers on port {} (--device haply)", port)

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -220,13 +221,8 @@ palpate_status findNamed(const char* function, const char* what, const char* nam
     *number = static_cast<std::int32_t>(found - elements.begin());
     return PALPATE_OK;
   }
-  // Only a failed search allocates, to keep successful ones cheap.
-  std::string names;
-  const palpate_status status = withoutExceptions(
-      function, [&] { names = fmt::format("{}", fmt::join(mapped(elements, nameOf), ", ")); });
-  if (status != PALPATE_OK) return status;
   return fail(PALPATE_INVALID_ARGUMENT, "{}: unknown {} \"{}\"; known: {}", function, what, name,
-              names);
+              fmt::join(elements | std::views::transform(nameOf), ", "));
 }
 
 /// Returns the number of indices in `triples` triangles, or of coordinates in `triples` vertices.

@@ -116,18 +116,17 @@ void compareOverDistance(const BothFields& fields, double radius, ComparedPlace&
   for (int n = 0; n <= distance_samples; ++n) {
     // Use slightly less than the radius, because rounding may put a point outside the sphere.
     const double distance = radius * (1 - 1e-9) * n / distance_samples;
-    std::vector<double> first, second, difference;
+    Eigen::Array3d sum = Eigen::Array3d::Zero();
+    int count = 0;
     for (const Eigen::Vector3d& direction : directions) {
       const Eigen::Vector3d a = forceInside(fields[0]->evaluate(distance * direction)),
                             b = forceInside(fields[1]->evaluate(distance * direction));
       if (!a.allFinite() || !b.allFinite()) continue;
-      first.push_back(a.norm());
-      second.push_back(b.norm());
-      difference.push_back((b - a).norm());
+      sum += Eigen::Array3d(a.norm(), b.norm(), (b - a).norm());
+      ++count;
     }
-    place.distances.push_back({distance, spreadOf(std::move(first)).mean,
-                               spreadOf(std::move(second)).mean,
-                               spreadOf(std::move(difference)).mean});
+    sum /= count;  // NaN if neither dataset has forces there
+    place.distances.push_back({distance, sum[0], sum[1], sum[2]});
   }
 }
 

@@ -47,7 +47,6 @@ void forEachProbe(const Dataset& dataset, Visit visit) {
 
 DatasetFacts factsOf(const Dataset& dataset) {
   DatasetFacts facts;
-  facts.file = dataset.file();
   std::error_code error;
   facts.bytes = std::filesystem::file_size(dataset.file(), error);
   if (error) throw failure("{}: {}", dataset.file().string(), error.message());

@@ -15,7 +15,6 @@ struct ArraySize {
 
 /// Facts about the contents of a dataset, summed over all its active nodes.
 struct DatasetFacts {
-  std::filesystem::path file;
   std::uintmax_t bytes = 0;
   std::size_t configurations = 0;  ///< solved lattice points
   std::size_t lattice_points = 0;

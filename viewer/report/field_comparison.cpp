@@ -62,34 +62,6 @@ constexpr int candidates = 256, most_circles = 64, points_per_circle = 4096;
 struct Circle {
   Eigen::Vector3d center, first, second;  ///< metres; two orthogonal vectors from the centre to the
                                           ///< circle
-
-  Eigen::Vector3d at(double angle) const {
-    return center + std::cos(angle) * first + std::sin(angle) * second;
-  }
-  Eigen::Vector3d tangent(double angle) const {
-    return -std::sin(angle) * first + std::cos(angle) * second;
-  }
-};
-
-/// A sequence of random circles inside a ball, the same sequence for every field.
-class RandomCircles {
- public:
-  explicit RandomCircles(double radius) : radius_(radius) {}
-  Circle next() {
-    const Eigen::Vector3d first = direction(), other = direction(), outwards = direction();
-    const double distance = 0.75 * radius_ * std::cbrt(uniform());
-    return {distance * outwards, 0.25 * radius_ * first,
-            0.25 * radius_ * first.cross(other).normalized()};
-  }
-
- private:
-  double uniform() { return (static_cast<double>(random_()) + 0.5) / 4294967296.0; }
-  Eigen::Vector3d direction() {
-    const double z = 2 * uniform() - 1, turn = uniform();
-    return onSphere(z, turn);
-  }
-  double radius_;
-  std::mt19937 random_{20};
 };
 
 /// Returns the relative work around a circle; nullopt if the coverage is too low anywhere on it.
@@ -98,9 +70,10 @@ std::optional<double> relativeWork(const ForceField& field, const Circle& circle
   double work = 0, effort = 0;
   for (int n = 0; n < points_per_circle; ++n) {
     const double angle = 2 * M_PI * (n + 0.5) / points_per_circle;
-    const ForceSample sample = field.evaluate(circle.at(angle));
+    const double c = std::cos(angle), s = std::sin(angle);
+    const ForceSample sample = field.evaluate(circle.center + c * circle.first + s * circle.second);
     if (!sample.inside || sample.coverage < least_coverage) return std::nullopt;
-    const Eigen::Vector3d tangent = circle.tangent(angle);
+    const Eigen::Vector3d tangent = c * circle.second - s * circle.first;
     work += sample.force.dot(tangent);
     effort += sample.force.norm() * tangent.norm();
   }
@@ -110,10 +83,19 @@ std::optional<double> relativeWork(const ForceField& field, const Circle& circle
 }  // namespace
 
 double loopWork(const ForceField& field, double radius, double least_coverage) {
-  RandomCircles circles(radius);
+  std::mt19937 random(20);  // the same circles for every field
+  const auto uniform = [&] { return (static_cast<double>(random()) + 0.5) / 4294967296.0; };
+  const auto direction = [&] {
+    const double z = 2 * uniform() - 1, turn = uniform();
+    return onSphere(z, turn);
+  };
   double largest = std::nan("");
   for (int candidate = 0, used = 0; candidate < candidates && used < most_circles; ++candidate) {
-    const auto work = relativeWork(field, circles.next(), least_coverage);
+    const Eigen::Vector3d first = direction(), other = direction(), outwards = direction();
+    const double distance = 0.75 * radius * std::cbrt(uniform());
+    const Circle circle = {distance * outwards, 0.25 * radius * first,
+                           0.25 * radius * first.cross(other).normalized()};
+    const auto work = relativeWork(field, circle, least_coverage);
     if (!work) continue;
     ++used;
     // fmax ignores the NaN at the start.

@@ -24,12 +24,11 @@ std::string methodOf(const std::vector<std::string>& asked) {
   return chosenMethods(asked).front();
 }
 
-ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
-                 std::ostream& output) {
-  const Comparison comparison =
-      compareDatasets(std::move(open), methodOf(options.report.methods), pictured_nodes);
-  if (!options.html.empty()) replaceFile(options.html, comparisonPage(comparison), "page");
-  output << (options.json ? jsonText(toJson(comparison)) : comparisonText(comparison));
+/// Writes a report or a comparison.
+template <class Shown>
+ExitCode write(const ReportCommandOptions& options, const Shown& shown, std::ostream& output) {
+  if (!options.html.empty()) replaceFile(options.html, pageOf(shown), "page");
+  output << (options.json ? jsonText(toJson(shown)) : textOf(shown));
   return ExitCode::done;
 }
 
@@ -59,14 +58,13 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   std::vector<Dataset> open(options.report.datasets.begin(), options.report.datasets.end());
   std::ranges::for_each(open, warnIfPartial);
   if (open.size() == 2 && !sceneDifferences(open[0], open[1]).empty())
-    return compare(options, std::move(open), output);
+    return write(options,
+                 compareDatasets(std::move(open), methodOf(options.report.methods), pictured_nodes),
+                 output);
   ReportOptions wanted = options.report;
   // Text and JSON have no pictures, so the time for sampling can be saved.
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
-  const Report report = makeReport(wanted, std::move(open));
-  if (!options.html.empty()) replaceFile(options.html, reportPage(report), "page");
-  output << (options.json ? jsonText(toJson(report)) : reportText(report));
-  return ExitCode::done;
+  return write(options, makeReport(wanted, std::move(open)), output);
 }
 
 const Verb report_verb = {"report", "Accuracy and speed of the interpolation methods on a dataset",

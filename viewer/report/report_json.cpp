@@ -41,7 +41,7 @@ Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
   Json sizes = Json::object();
   for (const auto& [kind, stored, unpacked] : facts.sizes)
     sizes[kind] = {{"stored", stored}, {"unpacked", unpacked}};
-  return {{"file", facts.file.string()},
+  return {{"file", dataset.file().string()},
           {"content_hash", dataset.contentId().hex()},
           {"build_id", dataset.buildId().hex()},
           {"kernel_family", dataset.kernelFamily()},
@@ -189,8 +189,8 @@ Json toJson(const Report& report) {
 
 Json toJson(const Comparison& comparison) {
   Json json;
-  for (const DatasetFacts& facts : comparison.datasets)
-    json["compared"].push_back(facts.file.string());
+  for (const Dataset& dataset : comparison.open)
+    json["compared"].push_back(dataset.file().string());
   json["method"] = comparison.method;
   json["differences"] = comparison.differences;
   for (const auto& [name, first, second] : comparison.properties)

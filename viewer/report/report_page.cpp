@@ -113,7 +113,7 @@ DrawingJson provenanceOf(const std::vector<Dataset>& datasets,
     const auto add = [&](const char* term, const std::string& text) {
       rows.push_back(DrawingJson::array({term, text}));
     };
-    add("dataset", facts[d].file.filename().string());
+    add("dataset", dataset.file().filename().string());
     add("content hash", dataset.contentId().hex());
     add("build", dataset.buildId().hex());
     add("kernel family", dataset.kernelFamily());
@@ -231,7 +231,7 @@ DrawingJson drawingsOf(const Comparison& comparison) {
               everywhere = DrawingJson::array(), places = DrawingJson::array();
   for (std::size_t s = 0; s < 2; ++s) {
     names.push_back(comparison.open[s].scene().name);
-    files.push_back(comparison.datasets[s].file.stem().string());
+    files.push_back(comparison.open[s].file().stem().string());
   }
   for (const PlaceDifference& one : comparison.everywhere)
     everywhere.push_back({{"name", one.name},
@@ -266,11 +266,11 @@ std::string filledPage(const std::string& title, const Shown& shown) {
 
 }  // namespace
 
-std::string reportPage(const Report& report) {
+std::string pageOf(const Report& report) {
   return filledPage(report.open.front().scene().name + ": accuracy and speed", report);
 }
 
-std::string comparisonPage(const Comparison& comparison) {
+std::string pageOf(const Comparison& comparison) {
   return filledPage(
       fmt::format("{} and {}", comparison.open[0].scene().name, comparison.open[1].scene().name),
       comparison);

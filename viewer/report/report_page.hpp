@@ -10,7 +10,7 @@ struct Report;
 /// Return an HTML page that needs no network. It contains the report's JSON, arrays for the
 /// drawings, and a script that builds the tables, figures and sentences from them. The nodes in
 /// Report::pictures are shown with pictures.
-std::string reportPage(const Report& report);
-std::string comparisonPage(const Comparison& comparison);
+std::string pageOf(const Report& report);
+std::string pageOf(const Comparison& comparison);
 
 }  // namespace palpate

@@ -23,7 +23,7 @@ std::string header(const Report& report) {
   std::string text;
   for (std::size_t d = 0; d < report.datasets.size(); ++d) {
     const DatasetFacts& facts = report.datasets[d];
-    text += wrapped(fmt::format("{}: {}, {} in {}, {}, {}", facts.file.string(),
+    text += wrapped(fmt::format("{}: {}, {} in {}, {}, {}", report.open[d].file().string(),
                                 counted(report.nodes.size(), "active node"),
                                 counted(facts.configurations, "configuration"),
                                 counted(facts.lattice_points, "lattice point"),
@@ -134,7 +134,7 @@ constexpr const char* place_row = "{:<20}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}
 
 }  // namespace
 
-std::string reportText(const Report& report) {
+std::string textOf(const Report& report) {
   std::string text = header(report) + areas(report);
   if (!report.areas_alone) text += frontier(report) + nodes(report);
   text += failures(report);
@@ -142,10 +142,10 @@ std::string reportText(const Report& report) {
   return text;
 }
 
-std::string comparisonText(const Comparison& comparison) {
+std::string textOf(const Comparison& comparison) {
   std::string text;
   for (std::size_t s = 0; s < 2; ++s)
-    text += fmt::format("{}: {}\n", s == 0 ? 'A' : 'B', comparison.datasets[s].file.string());
+    text += fmt::format("{}: {}\n", s == 0 ? 'A' : 'B', comparison.open[s].file().string());
   text += wrapped(fmt::format("The scenes differ in {}. Interpolation method: {}.",
                               fmt::join(comparison.differences, ", "), comparison.method)) +
           "\n";

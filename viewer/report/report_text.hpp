@@ -9,7 +9,7 @@ struct Report;
 
 /// Return the report as text for a terminal, with a final newline. Lines have at most 100 columns,
 /// unless a file name is longer.
-std::string reportText(const Report& report);
-std::string comparisonText(const Comparison& comparison);
+std::string textOf(const Report& report);
+std::string textOf(const Comparison& comparison);
 
 }  // namespace palpate
