@@ -50,20 +50,6 @@ CLI::IsMember oneOf(std::span<const std::string_view> words) {
 }
 
 /// Adds the options that change what the hand feels, and how a virtual hand moves.
-void addTouchOptions(CLI::App& app, ViewOptions& options, std::string& contact) {
-  app.add_option("--contact", contact, "Contact mode [the scene's]")
-      ->check(oneOf(words_of<ContactMode>));
-  app.add_option("--friction", options.friction, "Friction coefficient of unilateral contact")
-      ->capture_default_str();
-  app.add_option("--reach", options.reach,
-                 "Touchable distance from an active node, m (0: to the neighbouring nodes)")
-      ->capture_default_str();
-  app.add_option("--rate", options.rate, "Ticks per second")->capture_default_str();
-  app.add_option("--hand-speed", options.hand_speed,
-                 "Speed at which the virtual hand slides over the area of a finger, m/s")
-      ->capture_default_str();
-}
-
 std::function<ExitCode()> prepareView(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
   addRequired(
@@ -106,7 +92,17 @@ std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOp
   app.add_option("--build", options->build,
                  "Also build this dataset of the scene, and use its finished sites")
       ->type_name("OUT.h5");
-  addTouchOptions(app, *options, *contact);
+  app.add_option("--contact", *contact, "Contact mode [the scene's]")
+      ->check(oneOf(words_of<ContactMode>));
+  app.add_option("--friction", options->friction, "Friction coefficient of unilateral contact")
+      ->capture_default_str();
+  app.add_option("--reach", options->reach,
+                 "Touchable distance from an active node, m (0: to the neighbouring nodes)")
+      ->capture_default_str();
+  app.add_option("--rate", options->rate, "Ticks per second")->capture_default_str();
+  app.add_option("--hand-speed", options->hand_speed,
+                 "Speed at which the virtual hand slides over the area of a finger, m/s")
+      ->capture_default_str();
   app.add_option("--duration", options->duration, "Length of the run, s (0: no limit)")
       ->capture_default_str();
   app.add_flag("--headless", options->headless, "No picture; needs no display");

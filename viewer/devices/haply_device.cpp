@@ -102,11 +102,6 @@ class Connection {
   beast::flat_buffer buffer_;
 };
 
-/// Sends zero force even while the thread is being stopped.
-void letGo(Connection& connection, const std::string& id) {
-  if (!connection.write(haplyForceMessage(id, Eigen::Vector3d::Zero()))) connection.close();
-}
-
 }  // namespace
 
 HaplyDevice::HaplyDevice(HaplyDeviceOptions options)
@@ -178,7 +173,8 @@ void HaplyDevice::serve(const std::stop_token& stop) {
     if (const auto error = connection.write(haplyForceMessage(id, exchange_->force())))
       return sayGone(error);
   }
-  letGo(connection, id);
+  // Sends zero force even while the thread is being stopped.
+  if (!connection.write(haplyForceMessage(id, Eigen::Vector3d::Zero()))) connection.close();
 }
 
 }  // namespace palpate

@@ -11,7 +11,6 @@
 #include "viewer/export/configuration_grid.hpp"
 #include "viewer/export/configuration_source.hpp"
 #include "viewer/export/export_target.hpp"
-#include "viewer/export/force_curve.hpp"
 #include "viewer/export/touch_way.hpp"
 #include "viewer/export/vtu.hpp"
 #include "viewer/fields/field_choice.hpp"

@@ -1,12 +1,17 @@
 #include "viewer/picture/hand_control.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/index.hpp"
 #include "viewer/picture/tool_view.hpp"
 
 namespace palpate {
 namespace {
+
+constexpr double turn = 3.5;        ///< radians per height of the view
+constexpr double zoom_step = 0.88;  ///< per notch
+constexpr double turn_step = 0.08;  ///< radians per stroke
 
 constexpr double point_ring = 0.004;  // m, radius of the ring if the tool is a point
 
@@ -36,6 +41,18 @@ const char* keysHint(bool glued, bool holds) {
 }
 
 }  // namespace
+
+void ViewControl::apply(const MouseMotion& motion, bool hand, OrbitCamera& camera) {
+  const bool held = (motion.left && !hand) || motion.right_button || motion.middle;
+  dragging_ = held && (dragging_ || motion.over_view);
+  if (dragging_ && (motion.middle || motion.shift))
+    camera.pan(motion.right, motion.upward);
+  else if (dragging_)
+    camera.orbit(-turn * motion.right, -turn * motion.upward);
+  camera.orbit(turn_step * motion.turns.x(), turn_step * motion.turns.y());
+  const double notches = motion.closer + (motion.over_view && !hand ? motion.wheel : 0);
+  if (notches != 0) camera.zoom(std::pow(zoom_step, notches));
+}
 
 std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand) {
   if (feelsNothingInside(state)) return "The tool is inside the organ: press R to take it out.";

@@ -20,6 +20,7 @@ struct ForceComparison {
                                       ///< none
   bool covered = false;               ///< all corners of the cell that contains the displacement
                                       ///< are solved
+  double distance = not_measured;     ///< m, length of the displacement; used only for shells
 };
 
 /// Largest allowed error of a force: force_error times the magnitude of the exact force, but at
@@ -74,12 +75,6 @@ Spread spreadOf(std::vector<double> values);
 /// be empty.
 double percentile(std::span<const double> sorted, double share);
 
-/// An exact and an interpolated force, and their distance from rest.
-struct DistanceComparison {
-  double distance = 0;  ///< m, length of the displacement
-  ForceComparison forces;
-};
-
 /// Number of spherical shells of equal thickness into which the ball is divided.
 inline constexpr std::size_t shell_count = 8;
 
@@ -91,7 +86,7 @@ struct ErrorShell {
 
 /// Returns the errors in each shell from rest to `radius` (m). methods: the comparisons of each
 /// method, in the order of Report::methods.
-std::vector<ErrorShell> measureShells(const std::vector<std::vector<DistanceComparison>>& methods,
+std::vector<ErrorShell> measureShells(const std::vector<std::vector<ForceComparison>>& methods,
                                       double radius, const AccuracyTarget& target);
 
 }  // namespace palpate

@@ -136,7 +136,8 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
     if (with_loops) results[m].loop_work = loopWork(*made.field, space.lattice.radius());
     for (const HeldOutSolution& solution : held_out) {
       const ForceSample sample = made.field->evaluate(solution.displacement);
-      results[m].comparisons.push_back({solution.force, sample.force, sample.error_bound, false});
+      results[m].comparisons.push_back(
+          {solution.force, sample.force, sample.error_bound, false, solution.displacement.norm()});
     }
     if (!cells && std::ranges::find(cell_methods, methods[m]) != cell_methods.end())
       cells = std::move(made.field);

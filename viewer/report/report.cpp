@@ -134,14 +134,11 @@ NodeErrors errorsOf(const Study& study, const std::vector<NodeComparison>& nodes
 }
 
 std::vector<ErrorShell> shellsOf(const Study& study, const std::vector<NodeComparison>& nodes) {
-  std::vector<std::vector<DistanceComparison>> methods(study.report.methods.size());
-  for (std::size_t n = 0; n < nodes.size(); ++n) {
-    const std::vector<HeldOutSolution>& held_out =
-        study.report.held_out.of_space[study.compared[n]];
-    PALPATE_ASSERT(nodes[n].size() == methods.size(), "each node needs results of every method");
+  std::vector<std::vector<ForceComparison>> methods(study.report.methods.size());
+  for (const NodeComparison& node : nodes) {
+    PALPATE_ASSERT(node.size() == methods.size(), "each node needs results of every method");
     for (std::size_t m = 0; m < methods.size(); ++m)
-      for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
-        methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
+      methods[m].insert(methods[m].end(), node[m].comparisons.begin(), node[m].comparisons.end());
   }
   const double radius = study.report.open.front().spaces().front().lattice.radius();
   return measureShells(methods, radius, study.report.target);

@@ -1,4 +1,4 @@
-#include "viewer/picture/vertex_errors.hpp"
+#include "viewer/picture/body_view.hpp"
 
 #include <gtest/gtest.h>
 
