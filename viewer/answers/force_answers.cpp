@@ -10,17 +10,12 @@ namespace palpate {
 namespace {
 
 /// Replaces -0 by 0, because the sign of a zero means nothing to a reader.
-template <class Derived>
-auto plain(const Eigen::MatrixBase<Derived>& values) {
-  return (values.array() + 0.0).matrix().eval();
-}
-
 ForceAnswer withoutSigns(ForceAnswer answer) {
   ForceSample& sample = answer.sample;
-  sample.force = plain(sample.force);
-  sample.stiffness = plain(sample.stiffness);
+  sample.force.array() += 0.0;
+  sample.stiffness.array() += 0.0;
   sample.energy += 0.0;
-  if (answer.finger) answer.finger->drive = plain(answer.finger->drive);
+  if (answer.finger) answer.finger->drive.array() += 0.0;
   return answer;
 }
 

@@ -21,14 +21,6 @@ bool methodsAreKnown(const char* function, const palpate_open_options& options) 
   return true;
 }
 
-HapticModelOptions modelOptions(const palpate_open_options& given) {
-  HapticModelOptions options;
-  if (given.method_count > 0)
-    options.methods.assign(given.methods, given.methods + given.method_count);
-  options.reach = given.reach;
-  return options;
-}
-
 palpate_sample sampleOf(const ForceField& field, const double displacement[3]) {
   palpate_sample sample{};
   giveForce(sample, field.evaluate(vectorOf(displacement)));
@@ -53,8 +45,11 @@ palpate_status palpate_dataset_open(const char* file, const palpate_open_options
     known = methodsAreKnown(function, chosen);
     if (!known) return;
     const std::lock_guard lock(hdf5Mutex());
-    *dataset = new palpate_dataset{
-        std::make_shared<const LoadedDataset>(Dataset(file), modelOptions(chosen))};
+    HapticModelOptions model_options = {.reach = chosen.reach};
+    if (chosen.method_count > 0)
+      model_options.methods.assign(chosen.methods, chosen.methods + chosen.method_count);
+    *dataset =
+        new palpate_dataset{std::make_shared<const LoadedDataset>(Dataset(file), model_options)};
   });
   return known ? status : PALPATE_INVALID_ARGUMENT;
 }

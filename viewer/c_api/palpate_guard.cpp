@@ -72,14 +72,6 @@ bool canBeLimited(const char* function, const palpate_guard* guard, const double
          refuse("{}: flags {:#x} contains unknown bits; see palpate.h", function, flags);
 }
 
-GuardInput inputOf(const double tool[3], const palpate_touch& touch, std::uint32_t flags) noexcept {
-  return {.tool = vectorOf(tool),
-          .touch = toTouch(touch),
-          .fresh = (flags & PALPATE_READING_FRESH) != 0,
-          .lost = (flags & PALPATE_READING_LOST) != 0,
-          .late = (flags & PALPATE_LOOP_LATE) != 0};
-}
-
 }  // namespace
 
 palpate_status palpate_device_profile(const char* name, palpate_profile* device) {
@@ -136,7 +128,11 @@ palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
     return PALPATE_INVALID_ARGUMENT;
   }
   const GuardedForce limited =
-      guard->guard.limit(inputOf(tool, taken(touch, toStruct(Touch{})), flags));
+      guard->guard.limit({.tool = vectorOf(tool),
+                          .touch = toTouch(taken(touch, toStruct(Touch{}))),
+                          .fresh = (flags & PALPATE_READING_FRESH) != 0,
+                          .lost = (flags & PALPATE_READING_LOST) != 0,
+                          .late = (flags & PALPATE_LOOP_LATE) != 0});
   palpate_guarded_force given{};
   give(given.force, limited.force);
   given.passivity = limited.passivity;

@@ -6,12 +6,6 @@
 #include "common/mesh/anchor_bump.hpp"
 
 namespace palpate {
-namespace {
-
-/// Returns the weight of a site's shape. x: distance of the site, relative to the reach of sites.
-float shareAt(double x) { return static_cast<float>(std::pow(1 - std::min(1.0, x), 2)); }
-
-}  // namespace
 
 TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
     : organ_(std::move(organ)),
@@ -97,7 +91,7 @@ void TouchedOrgan::shapeAt(std::size_t touch, const SurfacePoint& anchor, const 
     const double reach = area->siteReach();
     for (const std::size_t site : area->sitesAt(s)) {
       const double x = (s - area->siteCenter(site)).norm() / reach;
-      const float share = shareAt(x);
+      const auto share = static_cast<float>(std::pow(1 - std::min(1.0, x), 2));
       addShares(carried.spaces[site], p, share);
       whole += share;
     }

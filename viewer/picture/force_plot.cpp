@@ -106,25 +106,20 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
   }
 }
 
-/// Returns the width of the title and of all entries of the legend with their keys.
-float plotLegendWidth() {
-  float width = ImGui::CalcTextSize(plot_title).x;
-  for (const char* const name : legend_names)
-    width += px(legend_gap + key_length + key_gap) + ImGui::CalcTextSize(name).x;
-  return width;
-}
-
 /// Draws above the curves as many entries of the legend as fit.
 void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
   const float middle = at.y + ImGui::GetTextLineHeight() / 2, key = px(key_length);
-  const auto entry = [&](float width, const char* text) {
-    const float begin = at.x + width, end = begin + ImGui::CalcTextSize(text).x;
+  const auto entry = [&](float indent, const char* text) {
+    const float begin = at.x + indent, end = begin + ImGui::CalcTextSize(text).x;
     if (end > right) return false;
     draw.AddText({begin, at.y}, ink, text);
     at.x = end + px(legend_gap);
     return true;
   };
-  entry(0, at.x + plotLegendWidth() > right ? short_plot_title : plot_title);
+  float width = ImGui::CalcTextSize(plot_title).x;  // of the title and all entries
+  for (const char* const name : legend_names)
+    width += px(legend_gap + key_length + key_gap) + ImGui::CalcTextSize(name).x;
+  entry(0, at.x + width > right ? short_plot_title : plot_title);
   for (std::size_t n = 0; n < legend_names.size(); ++n) {
     const ImVec2 from = at;
     if (!entry(key + px(key_gap), legend_names[n])) continue;

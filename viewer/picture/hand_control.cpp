@@ -78,31 +78,25 @@ std::optional<MouseTarget> HandControl::apply(const PersonsInput& input, const H
     view_.apply(input.motion, false, camera);
     return std::nullopt;
   }
-  marks_ = {};
-  moveHand(input, model, status.contact, camera);
+  HandInput wanted = input.hand;
+  // A drag that began in the view continues over panels. A press by keys has no drag.
+  const bool heard = input.motion.over_view || (hand_.holds() && !hand_.holdsByKey());
+  if (heard) wanted.pointer = input.motion.at;
+  wanted.button = input.motion.left && heard;
+  if (hand_.holds()) wanted.deeper += input.motion.wheel;
+  hand_.update(model, status.contact, camera, wanted);
   view_.apply(input.motion, hand_.holds(), camera);
-  marks_.hint = handHint(state, status.contact, hand_);
+  marks_ = {.hint = handHint(state, status.contact, hand_)};
+  if (!hand_.holds() && hand_.place()) {
+    marks_.ring = hand_.place();
+    marks_.ring_radius = ringRadius(model, *marks_.ring);
+  }
   return hand_.target();
 }
 
 bool HandControl::toolIsThere(const HapticState& state, const PictureStatus& status) const {
   return state.reading.status != DeviceStatus::away &&
          (!status.mouse || hand_.target().position.allFinite());
-}
-
-void HandControl::moveHand(const PersonsInput& input, const HapticModel& model, ContactMode contact,
-                           const OrbitCamera& camera) {
-  const MouseMotion& motion = input.motion;
-  HandInput wanted = input.hand;
-  // A drag that began in the view continues over panels. A press by keys has no drag.
-  const bool heard = motion.over_view || (hand_.holds() && !hand_.holdsByKey());
-  if (heard) wanted.pointer = motion.at;
-  wanted.button = motion.left && heard;
-  if (hand_.holds()) wanted.deeper += motion.wheel;
-  hand_.update(model, contact, camera, wanted);
-  if (hand_.holds() || !hand_.place()) return;
-  marks_.ring = hand_.place();
-  marks_.ring_radius = ringRadius(model, *marks_.ring);
 }
 
 }  // namespace palpate

@@ -58,9 +58,6 @@ class HandControl {
   bool toolIsThere(const HapticState& state, const PictureStatus& status) const;
 
  private:
-  void moveHand(const PersonsInput& input, const HapticModel& model, ContactMode contact,
-                const OrbitCamera& camera);
-
   ViewControl view_;
   MouseHand hand_;
   HandMarks marks_;

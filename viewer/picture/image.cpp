@@ -10,20 +10,16 @@
 #include "common/base/whole_file.hpp"
 
 namespace palpate {
-namespace {
-
-void appendBytes(void* bytes, void* data, int size) {
-  static_cast<std::string*>(bytes)->append(static_cast<const char*>(data),
-                                           static_cast<std::size_t>(size));
-}
-
-}  // namespace
 
 void writePng(const Image& image, const std::filesystem::path& file) {
   PALPATE_ASSERT(std::ssize(image.pixels) == std::ptrdiff_t{3} * image.width * image.height,
                  "an image must have all its pixels");
   std::string bytes;
-  if (stbi_write_png_to_func(appendBytes, &bytes, image.width, image.height, 3, image.pixels.data(),
+  const auto append = [](void* to, void* data, int size) {
+    static_cast<std::string*>(to)->append(static_cast<const char*>(data),
+                                          static_cast<std::size_t>(size));
+  };
+  if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(),
                              3 * image.width) == 0)
     throw failure("{}: a picture of {} x {} pixels cannot be written as PNG", file.string(),
                   image.width, image.height);

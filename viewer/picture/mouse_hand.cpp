@@ -41,10 +41,12 @@ void MouseHand::update(const HapticModel& model, ContactMode contact, const Orbi
     takeHold(*seen_, false);
     seconds = 0;  // at first the tool is outside, in front of the place
   } else if (held_) {
-    if (input.out || (by_key_ ? input.take || pressed : !input.button))
-      letGo();
-    else
+    if (input.out || (by_key_ ? input.take || pressed : !input.button)) {
+      held_ = false;
+      if (glued_) place_.reset();
+    } else {
       follow(camera, input, seconds);
+    }
   } else if (input.take) {
     takeHold(place_.value_or(placeInFront(camera)), true);
     seconds = 0;
@@ -80,11 +82,6 @@ void MouseHand::takeHold(const PointedPlace& place, bool by_key) {
   depth_ = glued_ ? 0 : -gap();
   if (glued_) wanted_ = 0;
   if (!wanted_) wanted_ = std::min(usual_depth, usual_share * reach());
-}
-
-void MouseHand::letGo() {
-  held_ = false;
-  if (glued_) place_.reset();
 }
 
 /// Lets the tool wait in front of the place under the pointer, or of the place that keys move.
@@ -132,17 +129,6 @@ void MouseHand::slideTo(const Eigen::Vector3d& goal, double seconds) {
   place_ = touchablePlace(model_->surface(), place_->position + way);
 }
 
-/// Moves the tool. If the straight line to the new position would pass through the skin, the tool
-/// disappears and reappears.
-void MouseHand::goTo(const Eigen::Vector3d& position) {
-  const bool from_nowhere = !target_.position.allFinite();
-  const bool outside = depth_ < 0 && !glued_;
-  if (from_nowhere ||
-      (outside && model_->surface().tree().entry(target_.position, position).triangle >= 0))
-    ++target_.appearance;
-  target_.position = position;
-}
-
 void MouseHand::moveTool(double seconds) {
   if (!place_ || (glued_ && !held_)) {
     target_.position = nowhere();
@@ -151,7 +137,15 @@ void MouseHand::moveTool(double seconds) {
   const double goal = held_ ? *wanted_ : -gap();
   const double rate = held_ ? press_rate : release_rate;
   depth_ = std::lerp(goal, depth_, std::exp(-rate * seconds));
-  goTo(place_->position - depth_ * place_->normal + pulled_);
+  const Eigen::Vector3d position = place_->position - depth_ * place_->normal + pulled_;
+  // If the straight line to the new position would pass through the skin, the tool disappears and
+  // reappears.
+  const bool from_nowhere = !target_.position.allFinite();
+  const bool outside = depth_ < 0 && !glued_;
+  if (from_nowhere ||
+      (outside && model_->surface().tree().entry(target_.position, position).triangle >= 0))
+    ++target_.appearance;
+  target_.position = position;
 }
 
 /// Returns the largest workspace radius of the spaces at the place, m.

@@ -65,12 +65,10 @@ class MouseHand {
   void use(const HapticModel& model, bool glued);
   PointedPlace placeInFront(const OrbitCamera& camera) const;
   void takeHold(const PointedPlace& place, bool by_key);
-  void letGo();
   void hover(const OrbitCamera& camera, const HandInput& input);
   void follow(const OrbitCamera& camera, const HandInput& input, double seconds);
   void pullBy(const Eigen::Vector3d& way);
   void slideTo(const Eigen::Vector3d& goal, double seconds);
-  void goTo(const Eigen::Vector3d& position);
   void moveTool(double seconds);
   double reach() const;
   double gap() const;

@@ -75,13 +75,6 @@ struct Picture::Impl {
 
   void frameAll() { frame(shot.camera, inUse(), touchedPart()); }
 
-  /// Frames everything, and resets the scales of all bodies. A body may have taken over the scale
-  /// of the body beside it, so all of them are reset.
-  void showEverything() {
-    frameAll();
-    for (const auto& each : shown) each->forgetScale();
-  }
-
   /// Frames the body from the direction in which the camera is now.
   static void frame(OrbitCamera& camera, const BodyView& body, const Viewport& part) {
     const FramedSphere& sphere = body.sphere();
@@ -254,8 +247,11 @@ struct Picture::Impl {
     history.add(state.time, state.force, state.touch.error_bound);
     lamps.update(glfwGetTime(), state.guards, status.loop.guards);
     // Do this before the input by mouse, which then moves the framed view.
-    if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
-      showEverything();
+    if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0) {
+      frameAll();
+      // A body may have taken over the scale of the body beside it, so all of them are reset.
+      for (const auto& each : shown) each->forgetScale();
+    }
     requests.tool = control.apply(persons(), inUse().model(), state, status, shot.camera);
     lattice.show(inUse(), state, view);
     showTool(state, status);

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <span>
+#include <utility>
 
 #include "viewer/picture/panel_style.hpp"
 
@@ -159,18 +159,6 @@ void touchNumbers(const PanelContents& contents) {
     row("gap", fmt::format("{:.1f} mm", 1e3 * touch.gap));
 }
 
-void spaceShares(const PanelContents& contents) {
-  const std::span<const SpaceWeight> shares = contents.state.touch.blend.used();
-  const std::vector<SpaceTable>& spaces = contents.body.model().spaces();
-  for (const SpaceWeight& share : shares) {
-    const auto space = static_cast<std::size_t>(share.space);
-    if (share.weight <= smallest_weight || space >= spaces.size()) continue;
-    row(&share == shares.data() ? "spaces" : "", fmt::format("{:.0f} %", 100 * share.weight));
-    ImGui::SameLine(px(value_column + share_width));
-    ImGui::TextUnformatted(spaces[space].patch.name.c_str());
-  }
-}
-
 void tissueNumbers(const PanelContents& contents) {
   const Touch& touch = contents.state.touch;
   heading("Tissue");
@@ -182,7 +170,14 @@ void tissueNumbers(const PanelContents& contents) {
   row("pressed", fmt::format("({:.1f}, {:.1f}, {:.1f})", u.x(), u.y(), u.z()));
   row("stiffness", stiffnessText(touch.stiffness));
   row("coverage", fmt::format("{:.0f} %{}", 100 * touch.coverage, touch.inside ? "" : ", outside"));
-  spaceShares(contents);
+  const std::vector<SpaceTable>& spaces = contents.body.model().spaces();
+  for (const char* label = "spaces"; const SpaceWeight& share : touch.blend.used()) {
+    const auto space = static_cast<std::size_t>(share.space);
+    if (share.weight <= smallest_weight || space >= spaces.size()) continue;
+    row(std::exchange(label, ""), fmt::format("{:.0f} %", 100 * share.weight));
+    ImGui::SameLine(px(value_column + share_width));
+    ImGui::TextUnformatted(spaces[space].patch.name.c_str());
+  }
 }
 
 void lampField(const GuardLamps& lamps) {

@@ -104,14 +104,6 @@ void drawHelp(ImVec2 at, ImVec2 window) {
   }
 }
 
-/// Returns the reason why the B key shows no other dataset.
-const char* besideNothing(const PanelContents& contents, const ViewChoices& choices) {
-  return choices.beside && contents.models.size() == 1
-             ? "B compares two datasets, but only one is open (palpate view A.h5 B.h5). Press B "
-               "to hide this."
-             : "";
-}
-
 void drawBanners(const PanelContents& contents, const ViewChoices& choices, float width) {
   const PictureStatus& status = contents.status;
   float next = px(margin);
@@ -121,7 +113,10 @@ void drawBanners(const PanelContents& contents, const ViewChoices& choices, floa
   say(red, status.trouble);
   say(blue, status.notice);
   say(blue, status.paused ? "paused" : "");
-  say(blue, besideNothing(contents, choices));
+  if (choices.beside && contents.models.size() == 1)
+    say(blue,
+        "B compares two datasets, but only one is open (palpate view A.h5 B.h5). Press B to hide "
+        "this.");
   if (choices.help) drawHelp({px(margin), next}, ImGui::GetIO().DisplaySize);
 }
 

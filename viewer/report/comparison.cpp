@@ -49,12 +49,11 @@ std::vector<SpacePair> commonSpaces(const Dataset& first, const Dataset& second)
 /// Returns the first few active nodes by name, such as "tip, edge-2 and 12 more".
 std::string namesIn(const Dataset& dataset) {
   constexpr std::size_t most_names = 4;
-  const std::vector<SpaceTable>& spaces = dataset.spaces();
-  std::string names;
-  for (std::size_t n = 0; n < std::min(most_names, spaces.size()); ++n)
-    names += (n == 0 ? "" : ", ") + spaces[n].patch.name;
-  if (spaces.size() > most_names) names += fmt::format(" and {} more", spaces.size() - most_names);
-  return names;
+  auto names = mapped(dataset.spaces(), [](const SpaceTable& space) { return space.patch.name; });
+  const std::size_t more = names.size() - std::min(names.size(), most_names);
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "),
+                     more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
 using BothFields = std::array<std::unique_ptr<ForceField>, 2>;
@@ -189,30 +188,6 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
   return limits;
 }
 
-std::string namedMesh(const Dataset& dataset) {
-  return dataset.scene().mesh.filename().string() + ": " + describeMesh(dataset.mesh());
-}
-
-std::string describeExtent(const Dataset& dataset) {
-  const Eigen::Vector3d size = 1e3 * boundingBox(dataset.mesh()).sizes();
-  return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", size.x(), size.y(), size.z());
-}
-
-std::string describeDiscretization(const Dataset& dataset) {
-  const Discretization& discretization = dataset.scene().discretization;
-  return fmt::format("displacement {}, pressure {}", word(discretization.displacement),
-                     word(discretization.pressure));
-}
-
-std::string describeGravity(const Dataset& dataset) {
-  const Eigen::Vector3d& g = dataset.scene().gravity;
-  return g.isZero() ? "none" : fmt::format("({}) m/s²", vectorText(g, 4));
-}
-
-std::string describeForce(const Dataset& dataset) {
-  return formatNumber(std::ranges::max(mapped(dataset.spaces(), largestForce)), 3) + " N";
-}
-
 std::string materialOf(const Dataset& dataset, const std::string& group) {
   for (const Region& region : dataset.scene().regions)
     if (region.name() == group) return inWords(region.material);
@@ -228,8 +203,13 @@ std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& dat
     properties.push_back({name, of(first), of(second)});
   };
   add("scene", [](const Dataset& dataset) { return dataset.scene().name; });
-  add("mesh", namedMesh);
-  add("extent", describeExtent);
+  add("mesh", [](const Dataset& d) {
+    return d.scene().mesh.filename().string() + ": " + describeMesh(d.mesh());
+  });
+  add("extent", [](const Dataset& dataset) {
+    const Eigen::Vector3d size = 1e3 * boundingBox(dataset.mesh()).sizes();
+    return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", size.x(), size.y(), size.z());
+  });
   add("fixed nodes", [](const Dataset& d) { return std::to_string(d.fixedNodes().size()); });
   std::set<std::string> groups;
   for (const Dataset& dataset : datasets)
@@ -237,8 +217,15 @@ std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& dat
   for (const std::string& group : groups)
     add(group.empty() ? "material" : "material of " + group,
         [&](const Dataset& dataset) { return materialOf(dataset, group); });
-  add("discretization", describeDiscretization);
-  add("gravity", describeGravity);
+  add("discretization", [](const Dataset& dataset) {
+    const Discretization& used = dataset.scene().discretization;
+    return fmt::format("displacement {}, pressure {}", word(used.displacement),
+                       word(used.pressure));
+  });
+  add("gravity", [](const Dataset& dataset) -> std::string {
+    const Eigen::Vector3d& g = dataset.scene().gravity;
+    return g.isZero() ? "none" : fmt::format("({}) m/s²", vectorText(g, 4));
+  });
   add("active nodes", [](const Dataset& d) { return std::to_string(d.spaces().size()); });
   add("workspace", describeBall);
   add("force limit", [](const Dataset& dataset) {
@@ -246,7 +233,9 @@ std::vector<ComparedProperty> comparedProperties(const std::vector<Dataset>& dat
   });
   properties.push_back({"solved configurations", std::to_string(facts[0].configurations),
                         std::to_string(facts[1].configurations)});
-  add("largest solved force", describeForce);
+  add("largest solved force", [](const Dataset& d) {
+    return formatNumber(std::ranges::max(mapped(d.spaces(), largestForce)), 3) + " N";
+  });
   properties.push_back({"file", formatBytes(facts[0].bytes), formatBytes(facts[1].bytes)});
   add("kernel family", [](const Dataset& dataset) { return dataset.kernelFamily(); });
   return properties;
