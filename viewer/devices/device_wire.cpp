@@ -5,7 +5,6 @@
 #include <vector>
 #include <zmq_addon.hpp>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/wire/wire.hpp"
 
@@ -55,7 +54,6 @@ std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket,
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
   }
-  PALPATE_ASSERT(!frames.empty(), "a message must have at least one frame");
   IncomingDeviceMessage incoming;
   if (router) incoming.peer = frames.front().to_string();
   zmq::message_t& body = frames.back();

@@ -1,6 +1,5 @@
 #include "viewer/devices/network_device.hpp"
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
 #include "common/base/text.hpp"
@@ -50,7 +49,6 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   // The limits and the frame are fixed from now on, because the loop relies on them.
   settled_ = true;
   if (!hello_) return;
-  PALPATE_ASSERT(profileOf(*hello_), "a device must announce its limits");
   traits_ = {*profileOf(*hello_), hello_->lives_in_scene(), hello_->has_buttons()};
 }
 

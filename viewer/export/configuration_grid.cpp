@@ -13,29 +13,27 @@ GridArray numberOf(const char* name, const char* unit, double value) {
   return {name, unit, 1, std::vector<double>{value}};
 }
 
-GridArray vectorOf(const char* name, const char* unit, const Eigen::Vector3d& value) {
-  return {name, unit, 3, std::vector<double>{value[0], value[1], value[2]}};
-}
-
-GridArray matrixOf(const char* name, const char* unit, const Eigen::Matrix3d& value) {
-  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = value;
-  return {name, unit, 9, std::vector<double>(rows.data(), rows.data() + rows.size())};
+/// Returns a vector, or a matrix row by row.
+template <class Values>
+GridArray arrayOf(const char* name, const char* unit, const Values& values) {
+  const auto rows = values.template reshaped<Eigen::RowMajor>();
+  return {name, unit, static_cast<int>(rows.size()), std::vector<double>(rows.begin(), rows.end())};
 }
 
 std::vector<GridArray> fieldDataOf(const ExportedConfiguration& configuration) {
   const ForceSample& sample = configuration.sample;
-  std::vector<GridArray> data = {vectorOf("tool_place", "m", configuration.place),
-                                 vectorOf("tool_displacement", "m", configuration.displacement),
-                                 vectorOf("force", "N", sample.force),
-                                 matrixOf("stiffness", "N/m", sample.stiffness),
+  std::vector<GridArray> data = {arrayOf("tool_place", "m", configuration.place),
+                                 arrayOf("tool_displacement", "m", configuration.displacement),
+                                 arrayOf("force", "N", sample.force),
+                                 arrayOf("stiffness", "N/m", sample.stiffness),
                                  numberOf("energy", "J", sample.energy),
                                  numberOf("error_bound", "N", sample.error_bound),
                                  numberOf("coverage", "1", sample.coverage)};
   data.push_back({"inside", "1", 1, std::vector<std::uint8_t>{sample.inside}});
-  if (configuration.drive) data.push_back(vectorOf("drive", "N", *configuration.drive));
+  if (configuration.drive) data.push_back(arrayOf("drive", "N", *configuration.drive));
   if (configuration.way) data.push_back(numberOf("way", "m", *configuration.way));
   if (configuration.lattice_point)
-    data.push_back(vectorOf("lattice_point", "1", *configuration.lattice_point));
+    data.push_back(arrayOf("lattice_point", "1", *configuration.lattice_point));
   if (configuration.min_det_F) data.push_back(numberOf("min_det_F", "1", *configuration.min_det_F));
   return data;
 }

@@ -53,7 +53,6 @@ std::vector<LatticeDot> LatticeView::dotsOf(const HapticModel& model) {
   const SpaceTable& table = model.spaces()[at(space_)];
   const std::int32_t method = filled_.method;
   if (method < 0) return tagDots(table, filled_.cut);
-  PALPATE_ASSERT(model.isPrepared(at(method)), "errors can be shown only for prepared methods");
   auto [found, added] = errors_.try_emplace({model_, method, space_});
   if (added) found->second = cellErrors(table, model.field(at(method), at(space_)));
   return errorDots(found->second, table.lattice.spacing(), filled_.cut);

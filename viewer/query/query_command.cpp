@@ -15,9 +15,9 @@ namespace {
 
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-std::string describeJson(const std::optional<FingerPlace>& place,
-                         const Eigen::Vector3d& displacement, const ForceSample& sample,
-                         std::string_view method) {
+std::string describeJson(const ForceAnswer& given, const Eigen::Vector3d& displacement,
+                         const std::string& method) {
+  const auto& [sample, place] = given;
   nlohmann::ordered_json answer;  // prints numbers that are not finite as null
   answer["displacement"] = toJson(displacement);
   answer["force"] = toJson(sample.force);
@@ -38,13 +38,14 @@ std::string describeJson(const std::optional<FingerPlace>& place,
 
 /// Explains why a displacement is outside the answered region, and how the force continues there.
 std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displacement) {
-  if (displacement.stableNorm() > lattice.radius())
-    return fmt::format(
-        "|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m.\n"
-        "              The force continues from the edge of the solved region and only stiffens",
-        displacement.stableNorm(), lattice.radius());
-  return "nothing was solved this deep in this direction.\n"
-         "              The force continues from the edge of the solved region and only stiffens";
+  const double length = displacement.stableNorm();
+  const std::string reason =
+      length > lattice.radius()
+          ? fmt::format("|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m", length,
+                        lattice.radius())
+          : "nothing was solved this deep in this direction";
+  return reason +
+         ".\n              The force continues from the edge of the solved region and only stiffens";
 }
 
 /// Describes the unsolved corners of the cell of the uniform lattice that contains a displacement
@@ -110,7 +111,7 @@ std::string describeFault(const FingerPlace& place, bool in_ball) {
 std::string answerText(const ForceAnswers& answers, const Eigen::Vector3d& p,
                        const ForceAnswer& answer, bool json) {
   const auto& [sample, place] = answer;
-  if (json) return describeJson(place, p, sample, answers.method());
+  if (json) return describeJson(answer, p, answers.method());
   const SpaceTable& space = answers.firstSpace();
   std::string text = describeSample(place, p, sample);
   if (!sample.inside)

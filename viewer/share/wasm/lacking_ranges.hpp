@@ -12,8 +12,6 @@
 #include <compare>
 #include <functional>
 #include <iterator>
-#include <memory>
-#include <utility>
 
 namespace std {
 
