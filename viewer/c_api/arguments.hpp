@@ -10,7 +10,6 @@
 #include <cstring>
 #include <exception>
 #include <new>
-#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -221,8 +220,12 @@ palpate_status findNamed(const char* function, const char* what, const char* nam
     *number = static_cast<std::int32_t>(found - elements.begin());
     return PALPATE_OK;
   }
-  return fail(PALPATE_INVALID_ARGUMENT, "{}: unknown {} \"{}\"; known: {}", function, what, name,
-              fmt::join(elements | std::views::transform(nameOf), ", "));
+  // Only a failed search allocates, to keep successful ones cheap.
+  const palpate_status failed = withoutExceptions(function, [&] {
+    refuse("{}: unknown {} \"{}\"; known: {}", function, what, name,
+           fmt::join(mapped(elements, nameOf), ", "));
+  });
+  return failed == PALPATE_OK ? PALPATE_INVALID_ARGUMENT : failed;
 }
 
 /// Returns the number of indices in `triples` triangles, or of coordinates in `triples` vertices.

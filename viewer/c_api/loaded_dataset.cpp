@@ -1,6 +1,5 @@
 #include "viewer/c_api/loaded_dataset.hpp"
 
-#include "common/base/assertion.hpp"
 #include "viewer/c_api/arguments.hpp"
 
 namespace palpate {
@@ -43,8 +42,6 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
   info.vertex_count = static_cast<std::int32_t>(model.surface().vertices().size());
   info.triangle_count = static_cast<std::int32_t>(model.surface().triangles().size());
   info.max_force = model.maxForce();
-  PALPATE_ASSERT(model.spaces().size() == dataset.spaces().size(),
-                 "the model must have all spaces of the dataset");
   for (std::size_t s = 0; s < model.spaces().size(); ++s)
     spaces.push_back(infoOf(dataset, model.spaces()[s], model.surface().activeVertex(s)));
   for (const TouchArea& area : model.surface().areas()) {
