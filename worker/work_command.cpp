@@ -1,16 +1,15 @@
 #include <spdlog/spdlog.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <csignal>
 #include <deque>
 #include <future>
 #include <thread>
 
 #include "common/base/bytes32.hpp"
+#include "common/base/child_process.hpp"
 #include "common/keys/key_options.hpp"
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
@@ -109,9 +108,8 @@ struct Child {
 };
 
 /// Starts `palpate-worker work ... --alone`, which ends when this process ends.
-pid_t startChild(const WorkOptions& options, const std::string& id,
-                 const std::vector<std::string>& ended) {
-  // The arguments are made before fork(), because the child must not allocate memory.
+pid_t startWorker(const WorkOptions& options, const std::string& id,
+                  const std::vector<std::string>& ended) {
   std::vector<std::string> words = {"palpate-worker",
                                     "work",
                                     "--alone",
@@ -130,22 +128,10 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
     words.emplace_back(spdlog::get_level() > spdlog::level::info ? "--quiet" : "--verbose");
   if (!options.keys.folder.empty()) words.insert(words.end(), {"--keys", options.keys.folder});
   for (const std::string& other : ended) words.insert(words.end(), {"--ended", hexOf(other)});
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child < 0) throw failure("fork: {}", errnoText());
-  if (child > 0) return child;
-  // If the parent dies, the child gets SIGTERM and not SIGKILL, so that it delivers the work in
-  // progress.
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) _exit(1);
-  // In a process group of its own, the child gets no signals from the terminal. The supervisor gets
-  // them and passes them on once.
-  setpgid(0, 0);
-  execv("/proc/self/exe", arguments.data());
-  _exit(127);
+  // If this process dies, the child gets SIGTERM and not SIGKILL, so that it delivers the work in
+  // progress. This file may be replaced while the supervisor runs; its workers stay the same
+  // program.
+  return startChild(std::move(words), {.program = "/proc/self/exe", .death_signal = SIGTERM});
 }
 
 /// Keeps the requested number of workers running. A worker that dies is replaced, after a pause if
@@ -178,7 +164,7 @@ class Supervisor {
 
   void start() {
     Child child{randomWorkerId(), Clock::now()};
-    const pid_t pid = startChild(*options_, child.id, ended_);
+    const pid_t pid = startWorker(*options_, child.id, ended_);
     ended_.clear();
     children_.emplace(pid, std::move(child));
   }

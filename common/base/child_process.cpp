@@ -1,7 +1,7 @@
 #include "common/base/child_process.hpp"
 
-#include <signal.h>
 #include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/base/assertion.hpp"
@@ -12,17 +12,24 @@ namespace {
 
 /// Runs in the child between vfork and exec, so it makes only async-signal-safe calls, and changes
 /// no memory but its own variables.
-[[noreturn]] void become(pid_t parent, char* const* arguments) {
-  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
+[[noreturn]] void become(pid_t parent, char* const* arguments, const ChildSettings& settings) {
+  for (int number = 0; const int file : settings.files) {
+    if (file != number && dup2(file, number) < 0) _exit(126);
+    ++number;
+  }
+  if (prctl(PR_SET_PDEATHSIG, settings.death_signal) != 0 || getppid() != parent) _exit(126);
   // A process group of its own keeps Ctrl-C from the child: its parent handles Ctrl-C.
   setpgid(0, 0);
-  execv(arguments[0], arguments);
+  execvp(settings.program != nullptr ? settings.program : arguments[0], arguments);
+  const int error = errno;
+  // If the write fails, there is no way left to report the error.
+  if (settings.error_pipe >= 0 && write(settings.error_pipe, &error, sizeof error) < 0) _exit(125);
   _exit(127);
 }
 
 }  // namespace
 
-pid_t startChild(std::vector<std::string> words) {
+pid_t startChild(std::vector<std::string> words, const ChildSettings& settings) {
   PALPATE_ASSERT(!words.empty(), "a command must begin with its program");
   // Allocate now, because the child must not allocate between vfork and exec.
   std::vector<char*> arguments;
@@ -32,10 +39,17 @@ pid_t startChild(std::vector<std::string> words) {
   // fork() would write-protect all memory of this process. In a client, the ticks would then wait
   // for milliseconds.
   const pid_t child = vfork();  // NOLINT(clang-analyzer-security.insecureAPI.vfork)
-  if (child < 0) throw failure("cannot start {}: {}", words.front(), errnoText());
+  if (child < 0) throw failure("{} cannot be run: {}", words.front(), errnoText());
   // Linux allows async-signal-safe calls here. NOLINTNEXTLINE(clang-analyzer-unix.Vfork)
-  if (child == 0) become(parent, arguments.data());
+  if (child == 0) become(parent, arguments.data(), settings);
   return child;
+}
+
+int waitFor(pid_t child) {
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
 }
 
 }  // namespace palpate

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,7 +12,7 @@
 #include <sstream>
 #include <thread>
 
-#include "common/base/assertion.hpp"
+#include "common/base/child_process.hpp"
 #include "common/base/error.hpp"
 #include "common/base/file_descriptor.hpp"
 #include "common/base/program.hpp"
@@ -51,22 +50,6 @@ std::string readWhole(const FileDescriptor& file) {
   }
 }
 
-/// Turns the child into the program. Uses only functions that are safe between vfork and exec, and
-/// changes no memory but its own variables. If exec fails, writes errno to the pipe.
-[[noreturn]] void becomeProgram(pid_t parent, char* const* arguments,
-                                const std::array<int, 3>& files, int pipe) {
-  int number = 0;
-  for (const int file : files)
-    if (dup2(file, number++) < 0) _exit(126);
-  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
-  if (setpgid(0, 0) != 0) _exit(126);
-  execvp(arguments[0], arguments);
-  const int error = errno;
-  // If the write fails, there is no way left to report the error.
-  if (write(pipe, &error, sizeof error) < 0) _exit(125);
-  _exit(127);
-}
-
 /// Waits until exec has succeeded or failed in the child. Returns the errno of a failed exec, or 0
 /// if the program runs.
 int errorOfStart(const FileDescriptor& pipe) {
@@ -78,31 +61,20 @@ int errorOfStart(const FileDescriptor& pipe) {
 }
 
 pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
-  // Allocate now, because the child must not allocate between vfork and exec.
-  std::vector<std::string> words = program.words;
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw failure("cannot make a pipe: {}", errnoText());
   const FileDescriptor reading = beyondStandard(FileDescriptor(ends[0]));
   FileDescriptor writing = beyondStandard(FileDescriptor(ends[1]));
-  const pid_t parent = getpid();
-  // As in startChild(): fork() would delay the ticks of a client.
-  const pid_t child = vfork();  // NOLINT(clang-analyzer-security.insecureAPI.vfork)
-  if (child < 0) throw failure("{} cannot be run: {}", words[0], errnoText());
-  // Linux allows async-signal-safe calls here. NOLINTNEXTLINE(clang-analyzer-unix.Vfork)
-  if (child == 0) becomeProgram(parent, arguments.data(), files, writing.get());
+  const pid_t child = startChild(program.words, {.files = files, .error_pipe = writing.get()});
   writing = FileDescriptor();
   const int error = errorOfStart(reading);
   if (error == 0) return child;
-  while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  waitFor(child);
   if (error == ENOENT)
-    throw badInput("{} is not installed here, or not in $PATH (Debian: {})", words[0],
+    throw badInput("{} is not installed here, or not in $PATH (Debian: {})", program.words[0],
                    program.package);
   errno = error;
-  throw failure("{} cannot be run: {}", words[0], errnoText());
+  throw failure("{} cannot be run: {}", program.words[0], errnoText());
 }
 
 enum class WhyEnded : std::uint8_t { by_itself, out_of_patience, interrupted };
@@ -127,8 +99,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
     }
     if (std::chrono::steady_clock::now() > deadline) {
       kill(-child, SIGKILL);
-      while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-      }
+      status = waitFor(child);
       return why == WhyEnded::interrupted ? why : WhyEnded::out_of_patience;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -138,8 +109,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
 }  // namespace
 
 Ran runToItsEnd(const ForeignProgram& program) {
-  PALPATE_ASSERT(!program.words.empty(), "a command must begin with its program");
-  const std::string& name = program.words[0];
+  const std::string& name = program.words.at(0);
   const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
                        err = memoryFile("stderr");
   if (!writeAt(in.get(), 0, program.input)) throw failure("cannot write stdin: {}", errnoText());

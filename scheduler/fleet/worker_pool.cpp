@@ -5,8 +5,6 @@
 
 #include <thread>
 
-#include "common/base/assertion.hpp"
-#include "common/base/child_process.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -19,11 +17,6 @@ std::string describeStatus(int status) {
 }
 
 }  // namespace
-
-void WorkerPool::start() {
-  PALPATE_ASSERT(!command_.empty(), "a command must begin with its program");
-  running_.push_back(startChild(command_));
-}
 
 std::vector<WorkerPool::Ended> WorkerPool::reap() {
   std::vector<Ended> ended;
@@ -47,9 +40,7 @@ void WorkerPool::terminate(std::chrono::milliseconds grace) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   // Wait without a time limit: no process survives SIGKILL.
   signalAll(SIGKILL);
-  for (const pid_t pid : running_)
-    while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
-    }
+  for (const pid_t pid : running_) waitFor(pid);
   running_.clear();
 }
 

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
-#include <string>
-#include <vector>
+
+#include "common/base/child_process.hpp"
 
 namespace palpate {
 
@@ -25,7 +23,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   /// Starts one more process. Throws Error if that fails.
-  void start();
+  void start() { running_.push_back(startChild(command_)); }
   /// Returns the processes that ended since the last call.
   std::vector<Ended> reap();
   std::size_t running() const { return running_.size(); }

@@ -38,8 +38,7 @@ struct LiveLink::Follower {
   ~Follower() {
     if (!ended()) {
       kill(pid, SIGKILL);  // it has nothing to save, and may be in a long solve
-      while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
-      }
+      waitFor(pid);
     }
   }
 
