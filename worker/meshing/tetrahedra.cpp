@@ -33,13 +33,6 @@ constexpr double lost_volume = 0.25, told_volume = 0.05;
 /// the normals), and if such edges form lines (hasCreases).
 constexpr double crease = 40;
 
-/// The result of one program: the text of a .msh file, or the reason why there is none.
-struct Attempt {
-  std::string msh;
-  std::string problem;
-  bool missing = false;  ///< the program is not installed
-};
-
 /// Returns the line in which a program reports an error, or its last line.
 std::string decisiveLine(const Ran& ran) {
   std::string last, error;
@@ -152,72 +145,58 @@ class Filling {
   Filling(const ClosedSurface& surface, std::filesystem::path folder)
       : surface_(surface), folder_(std::move(folder)) {}
 
+  // Each of these functions returns the text of a .msh file with edges of about `size`. Error with
+  // the reason if a program is missing or fails.
+
   /// Makes new triangles of this edge length, and then tetrahedra.
-  Attempt byGmsh(double size) {
-    const double angle = (creases() ? crease : 180) * std::numbers::pi / 180;
+  std::string byGmsh(double size) const {
+    const double angle = (hasCreases(surface_) ? crease : 180) * std::numbers::pi / 180;
     return runGmsh(fmt::format("ClassifySurfaces{{{:.6g}, 1, 1, Pi}};\nCreateGeometry;", angle),
                    size);
   }
 
   /// Makes tetrahedra and keeps the given triangles.
-  Attempt byGmshOnTriangles(double size) { return runGmsh("", size); }
+  std::string byGmshOnTriangles(double size) const { return runGmsh("", size); }
 
-  Attempt byTetgen(double size) {
-    if (!isInstalled("tetgen")) return missing("tetgen");
+  std::string byTetgen(double size) const {
     replaceFile(folder_ / "surface.smesh", trianglesAsSmesh(surface_), "surface");
     // The upper limit that tetgen gets for the volume of a tetrahedron is the volume of a regular
     // tetrahedron with this edge length. Without -Y, tetgen splits the triangles, which gives five
     // times as many nodes on a sphere, with worse shapes.
     const double volume = size * size * size / (6 * std::numbers::sqrt2);
     const std::filesystem::path node = folder_ / "surface.1.node";
-    std::error_code ignored;
-    std::filesystem::remove(node, ignored);
-    const Ran ran = runMeshing({.words = {"tetgen", fmt::format("-pYq1.4a{:.6g}", volume),
-                                          (folder_ / "surface.smesh").string()},
-                                .package = "tetgen"});
-    if (ran.exit_code != 0 || !std::filesystem::exists(node, ignored))
-      return {"", "tetgen: " + decisiveLine(ran)};
-    const ConvertedMesh converted = convertMesh(node, folder_);
-    return {meshAsMsh(readGmsh(converted.file)), ""};
+    run({"tetgen", fmt::format("-pYq1.4a{:.6g}", volume), (folder_ / "surface.smesh").string()},
+        node);
+    return meshAsMsh(readGmsh(convertMesh(node, folder_).file));
   }
 
  private:
-  bool creases() {
-    if (!creases_) creases_ = hasCreases(surface_);
-    return *creases_;
+  /// Runs a program that makes the file `output`.
+  static void run(const std::vector<std::string>& words, const std::filesystem::path& output) {
+    std::error_code ignored;
+    std::filesystem::remove(output, ignored);
+    const Ran ran = runMeshing({.words = words, .package = words.front()});
+    if (ran.exit_code != 0 || !std::filesystem::exists(output, ignored))
+      throw failure("{}: {}", words.front(), decisiveLine(ran));
   }
 
-  static Attempt missing(const std::string& program) {
-    return {"", fmt::format("{0} is not installed here, or not in $PATH (Debian: {0})", program),
-            true};
-  }
-
-  Attempt runGmsh(const std::string& remesh, double size) {
-    if (!isInstalled("gmsh")) return missing("gmsh");
-    if (!written_)
-      replaceFile(folder_ / "surface.msh", asMsh("", surface_.points, surface_.triangles, 0, {}),
-                  "surface");
-    written_ = true;
+  std::string runGmsh(const std::string& remesh, double size) const {
+    replaceFile(folder_ / "surface.msh", asMsh("", surface_.points, surface_.triangles, 0, {}),
+                "surface");
     const std::string geo = "Merge \"surface.msh\";\n" + remesh + gmsh_body +
                             fmt::format(fmt::runtime(gmsh_settings), size);
     replaceFile(folder_ / "body.geo", geo, "geometry");
     const std::filesystem::path body = folder_ / "body.msh";
-    std::error_code ignored;
-    std::filesystem::remove(body, ignored);
     // Otherwise, options that the user saved in gmsh would change the mesh.
     setenv("GMSH_HOME", folder_.c_str(), 1);
-    const Ran ran = runMeshing({.words = {"gmsh", "-3", (folder_ / "body.geo").string(), "-format",
-                                          "msh22", "-o", body.string(), "-v", "3"},
-                                .package = "gmsh"});
-    if (ran.exit_code != 0 || !std::filesystem::exists(body, ignored))
-      return {"", "gmsh: " + decisiveLine(ran)};
-    return {readText(body, "mesh"), ""};
+    run({"gmsh", "-3", (folder_ / "body.geo").string(), "-format", "msh22", "-o", body.string(),
+         "-v", "3"},
+        body);
+    return readText(body, "mesh");
   }
 
   const ClosedSurface& surface_;
   std::filesystem::path folder_;
-  std::optional<bool> creases_;
-  bool written_ = false;
 };
 
 double volumeOf(const Mesh& mesh) {
@@ -226,29 +205,18 @@ double volumeOf(const Mesh& mesh) {
   return volume;
 }
 
-/// Reads the mesh of an attempt. If it is unreadable or its volume is wrong, returns nullopt and
-/// sets Attempt::problem.
-std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surface) {
-  if (!attempt.problem.empty()) return std::nullopt;
-  Tetrahedra made;
-  try {
-    made.mesh = parseGmsh(attempt.msh, "its output");
-  } catch (const Error& error) {
-    attempt.problem = error.what();
-    return std::nullopt;
-  }
+/// Reads the mesh that a program has made. Error if it is unreadable or its volume is wrong.
+Tetrahedra accepted(std::string msh, const ClosedSurface& surface) {
+  Tetrahedra made{std::move(msh), {}};
+  made.mesh = parseGmsh(made.msh, "its output");
   const double change = volumeOf(made.mesh) / surface.volume - 1;
-  if (std::abs(change) > lost_volume) {
-    attempt.problem =
-        fmt::format("its tetrahedra have {:.3g} times the volume of the surface", 1 + change);
-    return std::nullopt;
-  }
+  if (std::abs(change) > lost_volume)
+    throw failure("its tetrahedra have {:.3g} times the volume of the surface", 1 + change);
   if (std::abs(change) > told_volume)
     made.notes.push_back(
         fmt::format("the mesh has {:.2g} % {} volume than the surface; with more nodes the "
                     "difference is smaller",
                     100 * std::abs(change), change < 0 ? "less" : "more"));
-  made.msh = std::move(attempt.msh);
   return made;
 }
 
@@ -266,36 +234,27 @@ void refuseSize(double size, const ClosedSurface& surface, const std::string& so
       size < extent ? fmt::format("about {:.2g} nodes", nodes) : std::string("no element"), extent);
 }
 
-/// Runs one attempt. If the program dies of a signal or takes too long, this becomes
-/// Attempt::problem. An interrupt is passed on as an Error.
-template <class Fill>
-Attempt tried(Fill fill, double size) {
-  try {
-    return fill(size);
-  } catch (const Error& error) {
-    if (error.exitCode() == ExitCode::interrupted) throw;
-    return {"", error.what()};
-  }
-}
-
 /// Fills a surface by one program, and adapts the edge length until the number of nodes is near
-/// enough to the requested one. Returns the best mesh, or nullopt if there is none. `last` becomes
-/// the last attempt.
+/// enough to the requested one. Returns the best mesh. Throws the first Error if there is none, and
+/// the Error of an interrupt.
 template <class Fill>
-std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& fineness,
-                                  Attempt& last, Fill fill) {
+Tetrahedra nearest(const ClosedSurface& surface, const Fineness& fineness, Fill fill) {
   double size =
       fineness.size.value_or(edgeFor(surface.volume, surface.area, double(fineness.nodes)));
   std::optional<Tetrahedra> best;
   double best_off = 0, best_change = 0;
   for (int n = 0; n < most_tries; ++n) {
-    last = tried(fill, size);
-    std::optional<Tetrahedra> made = accepted(last, surface);
-    if (!made) return best;
-    const auto nodes = static_cast<double>(made->mesh.nodes.size());
+    Tetrahedra made;
+    try {
+      made = accepted(fill(size), surface);
+    } catch (const Error& error) {
+      if (!best || error.exitCode() == ExitCode::interrupted) throw;
+      break;
+    }
+    const auto nodes = static_cast<double>(made.mesh.nodes.size());
     const double off = std::abs(std::log(nodes / fineness.nodes)),
-                 change = std::abs(volumeOf(made->mesh) / surface.volume - 1);
-    spdlog::info("{} nodes with edges of {:.3g}", made->mesh.nodes.size(), size);
+                 change = std::abs(volumeOf(made.mesh) / surface.volume - 1);
+    spdlog::info("{} nodes with edges of {:.3g}", made.mesh.nodes.size(), size);
     // Fine details of the surface need many nodes, whatever the edge length. If a coarser mesh
     // loses volume of the body, the finer mesh is kept.
     if (best && change > told_volume && best_change <= told_volume) break;
@@ -307,7 +266,7 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
     if (fineness.size || off < std::log(1 + near_enough)) break;
     size *= std::pow(fineness.nodes / nodes, 1 / nodes_by_size);
   }
-  return best;
+  return std::move(*best);
 }
 
 }  // namespace
@@ -316,37 +275,40 @@ Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fine
                               const std::filesystem::path& folder, const std::string& source) {
   PALPATE_ASSERT(surface.volume > 0 && !surface.triangles.empty(), "the surface must face outward");
   if (fineness.size) refuseSize(*fineness.size, surface, source);
-  Filling filling(surface, folder);
+  const Filling filling(surface, folder);
   struct Way {
     bool wanted;
-    Attempt (Filling::*fill)(double size);
+    const char* program;
+    std::string (Filling::*fill)(double size) const;
     const char* how;
   };
   const bool again = mesher == Mesher::automatic && isInstalled("gmsh");
   const std::array<Way, 3> ways = {
-      {{mesher != Mesher::tetgen, &Filling::byGmsh, nullptr},
-       {again, &Filling::byGmshOnTriangles,
+      {{mesher != Mesher::tetgen, "gmsh", &Filling::byGmsh, nullptr},
+       {again, "gmsh", &Filling::byGmshOnTriangles,
         "filled by gmsh within the given triangles, because it could not make new ones of the "
         "wanted size"},
-       {mesher != Mesher::gmsh, &Filling::byTetgen,
+       {mesher != Mesher::gmsh, "tetgen", &Filling::byTetgen,
         "filled by tetgen within the given triangles"}}};
   std::vector<std::string> problems;
   bool all_missing = true;
   for (const Way& way : ways) {
     if (!way.wanted) continue;
-    Attempt last;
-    const auto fill = [&](double size) { return (filling.*way.fill)(size); };
-    if (auto made = nearest(surface, fineness, last, fill)) {
-      made->notes.insert(made->notes.end(), problems.begin(), problems.end());
-      if (way.how != nullptr) made->notes.emplace_back(way.how);
-      const auto nodes = static_cast<double>(made->mesh.nodes.size());
+    try {
+      Tetrahedra made =
+          nearest(surface, fineness, [&](double size) { return (filling.*way.fill)(size); });
+      made.notes.insert(made.notes.end(), problems.begin(), problems.end());
+      if (way.how != nullptr) made.notes.emplace_back(way.how);
+      const auto nodes = static_cast<double>(made.mesh.nodes.size());
       if (!fineness.size && std::abs(std::log(nodes / fineness.nodes)) > std::log(1 + near_enough))
-        made->notes.push_back(
+        made.notes.push_back(
             fmt::format("{} nodes were requested; --size sets the edge length", fineness.nodes));
-      return std::move(*made);
+      return made;
+    } catch (const Error& error) {
+      if (error.exitCode() == ExitCode::interrupted) throw;
+      problems.emplace_back(error.what());
+      all_missing = all_missing && !isInstalled(way.program);
     }
-    problems.push_back(last.problem);
-    all_missing = all_missing && last.missing;
   }
   throw failure(
       "{}: cannot fill the surface with tetrahedra: {}. {}", source, fmt::join(problems, "; "),
