@@ -21,16 +21,12 @@ struct CheckOptions {
   }
 };
 
-ExitCode check(const CheckOptions& options) {
+void check(const CheckOptions& options) {
   const Problem problem = loadProblem(options.scene);
   const SceneReport report = reportOf(problem);
-  if (options.json) {
-    fmt::print("{}\n", sceneReportJson(report));
-    return ExitCode::done;
-  }
+  if (options.json) return fmt::print("{}\n", sceneReportJson(report));
   const std::string text = sceneReportText(report);
   fmt::print("{}", isatty(STDOUT_FILENO) ? wrapped(text, sizeOf(STDOUT_FILENO).columns, 11) : text);
-  return ExitCode::done;
 }
 
 }  // namespace

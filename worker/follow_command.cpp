@@ -25,13 +25,12 @@ struct FollowOptions {
   }
 };
 
-ExitCode follow(const FollowOptions& options) {
+void follow(const FollowOptions& options) {
   catchInterrupts();
   prepareBlas();
   FollowServer server(options.endpoint, chooseKernels(), options.keys.keys());
   spdlog::info("listening at {}", server.endpoint());
   while (!interrupted()) server.turn(turn_time);
-  return ExitCode::done;
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ void printMesh(Tetrahedra& made, const MeshOptions& options) {
   printNext(options, unit, extent);
 }
 
-ExitCode mesh(const MeshOptions& options) {
+void mesh(const MeshOptions& options) {
   if (!options.unit.empty()) unitNamed(options.unit);
   refuseOutput(options);
   catchInterrupts();
@@ -164,7 +164,6 @@ ExitCode mesh(const MeshOptions& options) {
                                         : madeOfSurface(options, converted, folder.path());
   replaceFile(options.output, made.msh, "mesh");
   printMesh(made, options);
-  return ExitCode::done;
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ void makeFolder(const std::filesystem::path& directory) {
     throw failure("{}: the folder cannot be made: {}", directory.string(), error.message());
 }
 
-ExitCode writeScene(const NewOptions& options) {
+void writeScene(const NewOptions& options) {
   const std::filesystem::path place = options.place, mesh_file = options.mesh;
   const std::filesystem::path scene_file = namesScene(place) ? place : place / "scene.toml";
   refuseScene(scene_file);
@@ -118,7 +118,6 @@ ExitCode writeScene(const NewOptions& options) {
         fmt::join(mesh.unused_names, "\", \""));
   for (const std::string& warning : scene.warnings) fmt::print("warning    {}\n", warning);
   fmt::print("next: palpate check {}\n", shellWord(file));
-  return ExitCode::done;
 }
 
 }  // namespace

@@ -20,12 +20,44 @@
 namespace palpate {
 namespace {
 
+/// Reverses hexOf(), for the command line of a child.
+std::string bytesOfHex(const std::string& hex) {
+  std::string bytes;
+  for (std::size_t at = 0; at + 1 < hex.size(); at += 2)
+    bytes.push_back(static_cast<char>(std::stoi(hex.substr(at, 2), nullptr, 16)));
+  return bytes;
+}
+
 /// Options of the command line; `session` is only partly set.
 struct WorkOptions {
   SessionOptions session;
   KeyOptions keys;
   int workers = 1;
   bool alone = false;  ///< no supervisor watches this process
+
+  void addTo(CLI::App& app) {
+    app.option_defaults()->always_capture_default();
+    app.add_option("--connect", session.endpoint, "The scheduler, tcp://HOST:PORT");
+    app.add_option("-j,--workers", workers, "Worker processes; each uses one core")
+        ->check(CLI::Range(1, 4096));
+    app.add_option("--give-up", session.give_up_s,
+                   "End after this many seconds without a message from the scheduler")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--drain", session.drain_s,
+                   "On SIGTERM, wait at most this many seconds for the running solve")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--leave-idle", session.leave_idle_s,
+                   "Leave after this many seconds without work; 0: never")
+        ->check(CLI::NonNegativeNumber);
+    keys.addTo(app, "Connect without a key, to a scheduler that asks for none");
+    // Options from a supervisor to its children.
+    app.add_flag("--alone", alone)->group("");
+    app.add_option("--id", session.worker_id)->transform(bytesOfHex)->group("");
+    app.add_option("--ended", session.ended)->transform(bytesOfHex)->group("");
+    app.footer(
+        "Workers store nothing. Start and stop them at any time, on any machine that reaches the "
+        "scheduler.");
+  }
 };
 
 /// The solver thread. A solve cannot be interrupted, and a hung solve never ends. So the destructor
@@ -89,14 +121,6 @@ ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys)
   }
   spdlog::info("this build uses the {} kernels; restarting with them", wanted_kernels);
   beginAnewWith(wanted_kernels);
-}
-
-/// Reverses hexOf(), for the command line of a child.
-std::string bytesOf(const std::string& hex) {
-  std::string bytes;
-  for (std::size_t at = 0; at + 1 < hex.size(); at += 2)
-    bytes.push_back(static_cast<char>(std::stoi(hex.substr(at, 2), nullptr, 16)));
-  return bytes;
 }
 
 using Clock = std::chrono::steady_clock;
@@ -220,47 +244,17 @@ class Supervisor {
   ExitCode result_ = ExitCode::done;
 };
 
-std::function<ExitCode()> prepareWork(CLI::App& app) {
-  auto options = std::make_shared<WorkOptions>();
-  app.option_defaults()->always_capture_default();
-  app.add_option("--connect", options->session.endpoint, "The scheduler, tcp://HOST:PORT");
-  app.add_option("-j,--workers", options->workers, "Worker processes; each uses one core")
-      ->check(CLI::Range(1, 4096));
-  app.add_option("--give-up", options->session.give_up_s,
-                 "End after this many seconds without a message from the scheduler")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--drain", options->session.drain_s,
-                 "On SIGTERM, wait at most this many seconds for the running solve")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--leave-idle", options->session.leave_idle_s,
-                 "Leave after this many seconds without work; 0: never")
-      ->check(CLI::NonNegativeNumber);
-  options->keys.addTo(app, "Connect without a key, to a scheduler that asks for none");
-  // Options from a supervisor to its children.
-  app.add_flag("--alone", options->alone)->group("");
-  app.add_option_function<std::string>(
-         "--id", [options](const std::string& hex) { options->session.worker_id = bytesOf(hex); })
-      ->group("");
-  app.add_option_function<std::vector<std::string>>(
-         "--ended",
-         [options](const std::vector<std::string>& all) {
-           for (const std::string& hex : all) options->session.ended.push_back(bytesOf(hex));
-         })
-      ->group("");
-  app.footer(
-      "Workers store nothing. Start and stop them at any time, on any machine that reaches the "
-      "scheduler.");
-  return [options] {
-    checkEndpoint(options->session.endpoint);
-    auto keys = options->keys.keys();  // here, so that a supervisor too reports missing keys
-    return options->alone ? runOneWorker(*options, std::move(keys)) : Supervisor(*options).run();
-  };
+ExitCode work(const WorkOptions& options) {
+  checkEndpoint(options.session.endpoint);
+  auto keys = options.keys.keys();  // here, so that a supervisor too reports missing keys
+  return options.alone ? runOneWorker(options, std::move(keys)) : Supervisor(options).run();
 }
 
 }  // namespace
 
 bool solver_left_running = false;
 
-const Verb work_verb = {"work", "Solve for a scheduler, on this or any other machine", prepareWork};
+const Verb work_verb = {"work", "Solve for a scheduler, on this or any other machine",
+                        prepareVerb<WorkOptions, work>};
 
 }  // namespace palpate

@@ -24,12 +24,19 @@ struct Verb {
 };
 
 /// Verb::prepare for a verb whose options are a struct with the member `addTo(CLI::App&)`. The
-/// returned function calls `run(options, streams...)`.
+/// returned function calls `run(options, streams...)`. Its exit code is the result of `run`, or
+/// "done" if `run` returns nothing.
 template <class Options, auto run, auto&... streams>
 std::function<ExitCode()> prepareVerb(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   options->addTo(app);
-  return [options] { return run(*options, streams...); };
+  return [options] {
+    if constexpr (!std::is_void_v<decltype(run(*options, streams...))>)
+      return run(*options, streams...);
+    else
+      run(*options, streams...);
+    return ExitCode::done;
+  };
 }
 
 /// The main() of palpate-scheduler, palpate-worker, palpate-verify, palpate-viewer and

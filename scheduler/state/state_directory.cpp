@@ -51,15 +51,10 @@ FileDescriptor takeLock(const std::filesystem::path& directory) {
   return lock;
 }
 
-/// Writes the file completely or not at all. Only its owner can read it.
-void writeSmallFile(const std::filesystem::path& file, const std::string& text) {
-  const std::filesystem::path aside = file.string() + ".tmp";
-  const FileDescriptor out(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-  if (!out) throw failure("{}: cannot open: {}", aside.string(), errnoText());
-  if (write(out.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
-    throw failure("{}: cannot write: {}", aside.string(), errnoText());
-  if (rename(aside.c_str(), file.c_str()) != 0)
-    throw failure("{}: cannot rename: {}", aside.string(), errnoText());
+/// Only the owner of the state can read the file.
+void writeText(const std::filesystem::path& file, const std::string& text) {
+  replaceFile(
+      file, [&] { return text; }, "file", 0600);
 }
 
 constexpr const char* endpoint_file = "endpoint";
@@ -102,7 +97,7 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   // everything in it. A folder with tables is not new. Its results may be acknowledged already, so
   // a sync would come too late.
   if (!std::filesystem::exists(database())) syncFolder(above);
-  writeSmallFile(path / "lock", std::to_string(getpid()) + '\n');
+  writeText(path / "lock", std::to_string(getpid()) + '\n');
   // Remove the address of an earlier scheduler, which no longer listens there.
   std::filesystem::remove(path / endpoint_file, error);
   if (error)
@@ -112,7 +107,7 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
 void StateDirectory::announce(const Address& address) const {
   std::string text = address.endpoint + '\n';
   if (address.keys) text += std::filesystem::absolute(address.keys->path()).string() + '\n';
-  writeSmallFile(path_ / endpoint_file, text);
+  writeText(path_ / endpoint_file, text);
 }
 
 void StateDirectory::checkPresence() const {

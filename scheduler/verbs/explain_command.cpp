@@ -28,13 +28,12 @@ struct ExplainOptions {
   }
 };
 
-ExitCode explainPoint(const ExplainOptions& options) {
+void explainPoint(const ExplainOptions& options) {
   const KnownSpaces known = spacesIn(options.where);
   std::optional<Eigen::Vector3d> place;
   if (!options.at.empty()) place = Eigen::Vector3d(options.at.data());
   const wire::Explanation explanation = explain(known.named(options.active, place), options.point);
   fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
-  return ExitCode::done;
 }
 
 }  // namespace

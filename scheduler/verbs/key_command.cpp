@@ -14,7 +14,7 @@ struct KeyOrder {
   bool replace = false;
   std::string key, roles, name;
   std::string endpoint = "*";
-  ExitCode (*run)(const KeyOrder&) = nullptr;
+  void (*run)(const KeyOrder&, const KeyFolder&) = nullptr;
 };
 
 PublicKey writtenKey(const std::string& hex) {
@@ -23,57 +23,47 @@ PublicKey writtenKey(const std::string& hex) {
                  hex);
 }
 
-ExitCode makeNew(const KeyOrder& order) {
-  const KeyFolder folder = chosenKeyFolder(order.folder);
+void makeNew(const KeyOrder& order, const KeyFolder& folder) {
   if (folder.hasOwn() && !order.replace)
     throw badInput("{}: a key exists already; --replace creates another, which no server knows yet",
                    folder.path().string());
   const KeyPair own = order.replace ? folder.replaceOwn() : folder.ownOrNew();
   fmt::print("{}\n", own.open().hex());
-  return ExitCode::done;
 }
 
-ExitCode show(const KeyOrder& order) {
-  const KeyFolder folder = chosenKeyFolder(order.folder);
+void show(const KeyOrder&, const KeyFolder& folder) {
   fmt::print("{} your key, in {}\n", folder.own().open().hex(), folder.path().string());
   for (const AllowedKey& key : folder.allowed())
     fmt::print("{} allowed as {}: {}\n", key.key.hex(), wordsOf(key.roles), key.name);
   for (const auto& [endpoint, key] : folder.servers())
     fmt::print("{} key of the server at {}\n", key.hex(), endpoint);
-  return ExitCode::done;
 }
 
-ExitCode allow(const KeyOrder& order) {
-  const KeyFolder folder = chosenKeyFolder(order.folder);
+void allow(const KeyOrder& order, const KeyFolder& folder) {
   folder.allow({writtenKey(order.key), rolesOf(order.roles), order.name});
   fmt::print("servers that use the keys in {} now allow this key, including running servers\n",
              folder.path().string());
-  return ExitCode::done;
 }
 
-ExitCode withdraw(const KeyOrder& order) {
-  const KeyFolder folder = chosenKeyFolder(order.folder);
+void withdraw(const KeyOrder& order, const KeyFolder& folder) {
   if (!folder.withdraw(order.key))
     throw badInput("{}: no key \"{}\"; palpate key show lists the keys",
                    folder.allowedFile().string(), order.key);
   fmt::print("no longer allowed; running servers disconnect its holder within a second\n");
-  return ExitCode::done;
 }
 
-ExitCode trust(const KeyOrder& order) {
-  const KeyFolder folder = chosenKeyFolder(order.folder);
+void trust(const KeyOrder& order, const KeyFolder& folder) {
   if (order.endpoint != "*") checkEndpoint(order.endpoint);
   folder.trust(writtenKey(order.key), order.endpoint);
   fmt::print("trusted as the key of {}\n",
              order.endpoint == "*" ? "every server without a key of its own" : order.endpoint);
-  return ExitCode::done;
 }
 
 using Order = std::shared_ptr<KeyOrder>;
 
 /// Declares `palpate key NAME`.
 CLI::App& declare(CLI::App& app, const Order& order, const char* name, const char* summary,
-                  ExitCode (*run)(const KeyOrder&)) {
+                  void (*run)(const KeyOrder&, const KeyFolder&)) {
   CLI::App& verb = *app.add_subcommand(name, summary);
   verb.callback([order, run] { order->run = run; });
   verb.add_option("--keys", order->folder,
@@ -103,7 +93,10 @@ std::function<ExitCode()> prepareKey(CLI::App& app) {
   app.footer(
       "Servers and clients that share this folder accept each other without further setup.\n"
       "docs/security.md describes the setup of other machines.");
-  return [order] { return order->run(*order); };
+  return [order] {
+    order->run(*order, chosenKeyFolder(order->folder));
+    return ExitCode::done;
+  };
 }
 
 }  // namespace

@@ -14,18 +14,25 @@
 namespace palpate {
 namespace {
 
-ExitCode stop(const Asked& asked) {
+void stop(const Asked& asked) {
   wire::Message question;
   question.mutable_stop_request();
   if (!order(asked, question, wire::Message::kStopReply))
     throw failure("{}: no scheduler is running there", asked.where);
   fmt::print("{}: stopping; the command that started the build continues it\n", asked.where);
-  return ExitCode::done;
 }
 
 // ---- pause, resume ----
 
-ExitCode setPaused(const Asked& asked, bool paused) {
+struct PauseOptions : Asked {
+  void addTo(CLI::App& app) {
+    Asked::addTo(app);
+    app.footer("A pause survives restarts of the scheduler.");
+  }
+};
+
+template <bool paused>
+void setPaused(const PauseOptions& asked) {
   wire::Message question;
   question.mutable_pause_request()->set_paused(paused);
   const bool works = order(asked, question, wire::Message::kPauseReply).has_value();
@@ -38,15 +45,6 @@ ExitCode setPaused(const Asked& asked, bool paused) {
              !paused ? "continues"
              : works ? "paused; workers finish their assigned work and wait for palpate resume"
                      : "waits for palpate resume");
-  return ExitCode::done;
-}
-
-template <bool paused>
-std::function<ExitCode()> preparePause(CLI::App& app) {
-  auto asked = std::make_shared<Asked>();
-  asked->addTo(app);
-  app.footer("A pause survives restarts of the scheduler.");
-  return [asked] { return setPaused(*asked, paused); };
 }
 
 // ---- priority ----
@@ -74,7 +72,7 @@ void setStoredPriority(const PriorityOptions& options) {
   Tables(StateDirectory(options.asked.where)).writePriority(options.space, options.priority);
 }
 
-ExitCode setPriority(const PriorityOptions& options) {
+void setPriority(const PriorityOptions& options) {
   wire::Message question;
   question.mutable_priority_request()->set_space(options.space);
   question.mutable_priority_request()->set_priority(options.priority);
@@ -85,7 +83,6 @@ ExitCode setPriority(const PriorityOptions& options) {
     throw badInput("{}: {}", options.asked.where, printable(objection, 600));
   fmt::print("{}: {} has priority {} {}\n", options.asked.where, options.space, options.priority,
              answer ? "from now on" : "in the next build there");
-  return ExitCode::done;
 }
 
 // ---- retry ----
@@ -123,7 +120,7 @@ std::int64_t retryStored(const RetryOptions& options) {
   return std::ssize(failed);
 }
 
-ExitCode retry(const RetryOptions& options) {
+void retry(const RetryOptions& options) {
   wire::Message question;
   question.mutable_retry_request()->set_cause(options.failed);
   const auto answer = order(options.asked, question, wire::Message::kRetryReply);
@@ -131,15 +128,15 @@ ExitCode retry(const RetryOptions& options) {
   fmt::print("{}: {} {} {}\n", options.asked.where,
              answer ? "retrying" : "the next build will retry", counted(count, "solve"),
              options.failed.empty() ? "set aside" : "that failed with " + options.failed);
-  return ExitCode::done;
 }
 
 }  // namespace
 
 const Verb pause_verb = {"pause", "Give workers no work until resume; they stay connected",
-                         preparePause<true>};
+                         prepareVerb<PauseOptions, setPaused<true>>};
 
-const Verb resume_verb = {"resume", "Continue a paused build", preparePause<false>};
+const Verb resume_verb = {"resume", "Continue a paused build",
+                          prepareVerb<PauseOptions, setPaused<false>>};
 
 const Verb priority_verb = {"priority", "Compute one active node before others",
                             prepareVerb<PriorityOptions, setPriority>};

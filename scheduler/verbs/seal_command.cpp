@@ -33,18 +33,17 @@ struct SealOptions {
   }
 };
 
-ExitCode sealNow(const SealOptions& options) {
+void sealNow(const SealOptions& options) {
   RecordedBuild build(options.state);
   if (isSealed(options.out, build.problem(), options.replace)) {
     fmt::print("{}: is already the complete dataset of this build; nothing to do\n", options.out);
-    return ExitCode::done;
+    return;
   }
   refuseUnwritable(options.out, "-o");
   const bool partial = !build.complete();
   const SpaceRowsList rows = build.seal(options.out);
   fmt::print("{}\n{}: sealed{}\n", summaryOf(rows, build.problem().scene, partial), options.out,
              partial ? fmt::format(", partial: {}", whatIsMissing(rows)) : "");
-  return ExitCode::done;
 }
 
 }  // namespace

@@ -26,10 +26,9 @@ std::string methodOf(const std::vector<std::string>& asked) {
 
 /// Writes a report or a comparison.
 template <class Shown>
-ExitCode write(const ReportCommandOptions& options, const Shown& shown, std::ostream& output) {
+void write(const ReportCommandOptions& options, const Shown& shown, std::ostream& output) {
   if (!options.html.empty()) replaceFile(options.html, pageOf(shown), "page");
   output << (options.json ? jsonText(toJson(shown)) : textOf(shown));
-  return ExitCode::done;
 }
 
 }  // namespace
@@ -49,7 +48,7 @@ void ReportCommandOptions::addTo(CLI::App& app) {
   app.add_flag("--json", json, "One JSON object instead of the table (docs/commands.md)");
 }
 
-ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
+void report(const ReportCommandOptions& options, std::ostream& output) {
   // Check this before the measurements, which take minutes.
   if (!options.html.empty()) {
     refuseInput(options.html, "--html", options.report.datasets);
@@ -64,7 +63,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   ReportOptions wanted = options.report;
   // Text and JSON have no pictures, so the time for sampling can be saved.
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
-  return write(options, makeReport(wanted, std::move(open)), output);
+  write(options, makeReport(wanted, std::move(open)), output);
 }
 
 const Verb report_verb = {"report", "Accuracy and speed of the interpolation methods on a dataset",

@@ -21,7 +21,7 @@ struct ReportCommandOptions {
 ///
 /// Throws Error (bad input) like makeReport() and compareDatasets(), and if the page would replace
 /// a dataset. Throws Error if the page cannot be written; no file is left then.
-ExitCode report(const ReportCommandOptions& options, std::ostream& output);
+void report(const ReportCommandOptions& options, std::ostream& output);
 
 /// The verb `report` of palpate-answers, which writes to standard output.
 extern const Verb report_verb;

@@ -18,7 +18,7 @@ void ShareOptions::addTo(CLI::App& app) {
       "with the mouse or a finger. Its forces are those of palpate query (docs/sharing.md).");
 }
 
-ExitCode share(const ShareOptions& options, std::ostream& output) {
+void share(const ShareOptions& options, std::ostream& output) {
   refuseUnwritable(options.output, "-o");
   refuseInput(options.output, "-o", {&options.dataset, 1});
   const Dataset dataset(options.dataset);
@@ -28,7 +28,6 @@ ExitCode share(const ShareOptions& options, std::ostream& output) {
   replaceFile(options.output, page, "page");
   output << fmt::format("{}: {:.1f} MB, open it in a browser\n", options.output.string(),
                         static_cast<double>(page.size()) / 1e6);
-  return ExitCode::done;
 }
 
 const Verb share_verb = {"share", "Write a dataset as an HTML page to touch by mouse or finger",

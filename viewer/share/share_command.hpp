@@ -17,7 +17,7 @@ struct ShareOptions {
 /// size. Error (bad input) as in Dataset, or if the page would replace the dataset. Error if the
 /// page cannot be written (no incomplete file is left), or if this build of palpate contains no
 /// force fields for pages (requirePageField).
-ExitCode share(const ShareOptions& options, std::ostream& output);
+void share(const ShareOptions& options, std::ostream& output);
 
 /// The command `share` of palpate-answers, on standard output.
 extern const Verb share_verb;

@@ -43,7 +43,7 @@ class ComparisonTest : public ::testing::Test {
     first.seal(options.report.datasets[0]);
     second.seal(options.report.datasets[1]);
     std::ostringstream output;
-    EXPECT_EQ(report(options, output), ExitCode::done);
+    report(options, output);
     return output.str();
   }
   nlohmann::json json() {
