@@ -25,6 +25,18 @@ std::array<double, 3> inSpacings(const LatticePoint& point, double divisions) {
 
 }  // namespace
 
+std::optional<std::int64_t> LineBudget::spend(Time now) {
+  const std::int64_t earned = std::max<std::int64_t>(0, (now - filled_) / interval);
+  filled_ += earned * interval;
+  lines_ = std::min(burst, lines_ + earned);
+  if (lines_ == 0) {
+    ++left_out_;
+    return std::nullopt;
+  }
+  --lines_;
+  return std::exchange(left_out_, 0);
+}
+
 void Chronicle::joined(const Worker& worker) {
   if (!mayTell()) return;
   spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host,

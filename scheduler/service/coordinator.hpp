@@ -109,7 +109,7 @@ class Coordinator {
   /// leave, this means that all are gone.
   bool deserted(Time now) const { return workers_.deserted(now); }
   /// Number of results from earlier runs.
-  std::size_t found() const { return intake_.found(); }
+  std::size_t found() const { return state_.store.found(); }
   /// Number of results recorded since construction.
   std::int64_t recorded() const { return intake_.recorded(); }
 

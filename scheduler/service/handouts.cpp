@@ -123,15 +123,14 @@ void Handouts::sendFields(const Worker& worker, const wire::FieldsRequest& reque
     ++state_.counters["unread_answers"];
     return;
   }
-  const std::optional<ResultKey> solver = solverOf(request);
-  std::optional<JournalRecord> found = solver ? state_.store.find(*solver) : std::nullopt;
-  const bool known = found.has_value();
   std::shared_ptr<const std::string> payload;
-  if (known) payload = unread_starts_.add(std::move(found->payload));
+  if (const auto solver = solverOf(request))
+    if (auto found = state_.store.find(*solver))
+      payload = unread_starts_.add(std::move(found->payload));
   wire::FieldsReply& reply = *state_.send(worker.peer, payload).mutable_fields_reply();
   reply.set_id(request.id());
-  reply.set_unknown(!known);
-  if (known) reply.set_payload_bytes(static_cast<std::uint32_t>(payload->size()));
+  reply.set_unknown(!payload);
+  if (payload) reply.set_payload_bytes(static_cast<std::uint32_t>(payload->size()));
 }
 
 /// Returns the recorded result that holds the requested fields.

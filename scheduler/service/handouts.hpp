@@ -1,10 +1,32 @@
 #pragma once
 
+#include <atomic>
+
 #include "scheduler/service/lease_seal.hpp"
 #include "scheduler/service/second_solves.hpp"
-#include "scheduler/service/unread_payloads.hpp"
 
 namespace palpate {
+
+/// Counts the bytes of sent payloads that peers have not read. A payload is counted until the
+/// messaging library releases it, which may happen in any thread. Shared payloads (the problem)
+/// take no extra memory and are not counted.
+class UnreadPayloads {
+ public:
+  /// Returns the payload for sending. It is counted until its last owner releases it.
+  std::shared_ptr<const std::string> add(std::string payload) const {
+    auto* const owned = new std::string(std::move(payload));
+    *bytes_ += owned->size();
+    return {owned, [bytes = bytes_](const std::string* sent) {
+              *bytes -= sent->size();
+              delete sent;
+            }};
+  }
+  std::size_t bytes() const { return *bytes_; }
+
+ private:
+  /// Shared with the payloads, because they may outlive this object.
+  std::shared_ptr<std::atomic<std::size_t>> bytes_ = std::make_shared<std::atomic<std::size_t>>(0);
+};
 
 /// Sends workers their jobs, the problem, and the configurations that jobs start from. One thread;
 /// the references must outlive this object.

@@ -148,8 +148,11 @@ void Intake::commit() {
     converged_ += outcome.converged();
     if (!outcome.converged())
       state_.chronicle.failed(key, outcome.failure(), member.result.given_by());
-    goOn(settle(plan, unclaimed_,
-                [this](const ResultKey& unclaimed) { return state_.store.read(unclaimed); }));
+    Settled settled;
+    settle(
+        plan, unclaimed_,
+        [this](const ResultKey& unclaimed) { return state_.store.read(unclaimed); }, settled);
+    goOn(settled);
     state_.chronicle.wentOn(key.space, plan);
   }
 }

@@ -29,7 +29,6 @@ class Intake {
   /// acknowledged.
   void commit();
 
-  std::size_t found() const { return state_.store.found(); }  ///< results of earlier runs
   // Number of results recorded in this run, and number of equilibria among them.
   std::int64_t recorded() const { return recorded_; }
   std::int64_t converged() const { return converged_; }

@@ -192,17 +192,16 @@ void People::addTimeLeft(wire::Status& status, Time now) const {
 }
 
 wire::Status People::status(Time now) const {
-  wire::Status status = statusOf(state_.problem, state_.plans);
+  wire::Status status = progressOf(state_.problem, state_.store.build(), state_.plans,
+                                   workers_.registry.kernelFamily(), state_.complete);
   addServers(status, workers_.registry.rows(workers_.leases, now), state_.counters);
-  status.set_build(state_.store.build().hex());
   status.set_set_aside(static_cast<std::int32_t>(workers_.leases.aside().size()));
   status.set_checks_open(static_cast<std::int32_t>(seconds_.left()));
   status.set_disputed(static_cast<std::int32_t>(seconds_.checks().disputedCount()));
   addKeptOut(status, state_.store.keptOut());
   addDisk(status, state_.store.directory(), state_.store.journalBytes());
-  status.set_state(state_.complete ? "complete" : state_.stopping ? "stopping" : "running");
+  if (!state_.complete) status.set_state(state_.stopping ? "stopping" : "running");
   status.set_paused(state_.paused);
-  status.set_kernel_family(workers_.registry.kernelFamily());
   setPriorities(status, priorities_);
   status.set_recorded(static_cast<std::int32_t>(intake_.recorded()));
   status.set_seconds(std::chrono::duration<double>(now - state_.started).count());

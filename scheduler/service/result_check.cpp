@@ -54,15 +54,6 @@ Eigen::Vector3d displacementOf(const NodalFields& fields, const ActivePatch& pat
 
 bool isSymmetric(const Eigen::Matrix3d& matrix) { return matrix == matrix.transpose(); }
 
-bool holdsBack(const Eigen::Matrix3d& stiffness) {
-  const Eigen::LLT<Eigen::Matrix3d> factors(-stiffness);
-  return factors.info() == Eigen::Success;
-}
-
-bool isZero(const NodalFields& fields) {
-  return std::ranges::all_of(fields.displacement, [](float u) { return u == 0; });
-}
-
 }  // namespace
 
 ResultCheck::ResultCheck(const Problem& problem, const ContentId& build)
@@ -135,8 +126,11 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& 
   if (!there) return "a tool that does not have the requested displacement";
   // An origin that was solved from a neighbour is at rest only up to rounding.
   if (fromWire(result.target()) != fromWire(result.parent())) return "";
-  if (!isZero(fields) || !e.force.isZero(0) || e.energy != 0) return "a nonzero rest state";
-  return holdsBack(e.stiffness) ? "" : "an unstable rest state";
+  if (!std::ranges::all_of(fields.displacement, [](float u) { return u == 0; }) ||
+      !e.force.isZero(0) || e.energy != 0)
+    return "a nonzero rest state";
+  const Eigen::LLT<Eigen::Matrix3d> factors(-e.stiffness);
+  return factors.info() == Eigen::Success ? "" : "an unstable rest state";
 }
 
 std::string ResultCheck::reproducibleBytes(wire::Result result) {

@@ -86,23 +86,20 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
           "this {} is excluded from this build because {}: check the machine with palpate verify "
           "before it works on another build",
           name(liar.kind), liar.reason);
-  if (wouldChangeKernels(hello)) return "";
-  return objectionToKernels(hello.kernel_family());
-}
-
-bool WorkerRegistry::wouldChangeKernels(const wire::Hello& hello) const {
-  return !kernel_family_.empty() && hello.kernel_family() != kernel_family_ &&
-         std::ranges::find(hello.runs(), kernel_family_) != hello.runs().end();
-}
-
-std::string WorkerRegistry::objectionToKernels(const std::string& family) const {
-  if (kernel_family_.empty() || family == kernel_family_) return "";
+  if (kernel_family_.empty() || hello.kernel_family() == kernel_family_ ||
+      wouldChangeKernels(hello))
+    return "";
   return fmt::format(
       "this build uses the {} kernels, but the worker has only the {} kernels (because of its CPU, "
       "PALPATE_KERNELS or OPENBLAS_CORETYPE, see docs/solver.md), and mixed kernels would make the "
       "last bits irreproducible: use machines that support {}, or start a new build with --kernels "
       "that all machines support",
-      kernel_family_, family, kernel_family_);
+      kernel_family_, hello.kernel_family(), kernel_family_);
+}
+
+bool WorkerRegistry::wouldChangeKernels(const wire::Hello& hello) const {
+  return !kernel_family_.empty() && hello.kernel_family() != kernel_family_ &&
+         std::ranges::find(hello.runs(), kernel_family_) != hello.runs().end();
 }
 
 Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,

@@ -116,8 +116,6 @@ class WorkerRegistry {
   std::vector<wire::WorkerStatus> takeDeparted() { return std::exchange(departed_, {}); }
 
  private:
-  std::string objectionToKernels(const std::string& family) const;
-
   std::string kernel_family_;
   std::vector<KeptOut> kept_out_;
   Workers workers_;

@@ -46,11 +46,6 @@ bool recordIn(SpacePlan& plan, const Transition& transition, const wire::Result&
   return true;
 }
 
-void append(Settled& all, const Settled& more) {
-  all.missing.insert(all.missing.end(), more.missing.begin(), more.missing.end());
-  all.outdated.insert(all.outdated.end(), more.outdated.begin(), more.outdated.end());
-}
-
 }  // namespace
 
 ContentId fieldsOf(const wire::Result& result) {
@@ -113,8 +108,8 @@ std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
   return std::string(plan.points().fields(transition.parent).bytes());
 }
 
-Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read) {
-  Settled settled;
+void settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read,
+            Settled& settled) {
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
       // Skip a transition that was recorded after takeReady().
@@ -127,7 +122,6 @@ Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed
       if (known) settled.outdated.push_back(key);
       settled.missing.push_back(key);
     }
-  return settled;
 }
 
 Replay::Replay(const Problem& problem) {
@@ -146,7 +140,7 @@ void Replay::take(const ResultKey& key, const wire::Result& result, const Outcom
 
 void Replay::finish(const ReadUnclaimed& read) {
   for (SpacePlan& plan : plans) {
-    append(settled, settle(plan, unclaimed, read));
+    settle(plan, unclaimed, read, settled);
     PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
                    "an incomplete plan must have open transitions");
   }
@@ -188,10 +182,6 @@ void refuseUnclaimed(const UnclaimedResults& unclaimed) {
       "first: {}): another version began the build; continue with that version, or remove the "
       "directory to compute everything again",
       unclaimed.size(), textOf(*unclaimed.begin()));
-}
-
-std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans) {
-  return mapped(plans, &SpacePlan::table);
 }
 
 }  // namespace palpate

@@ -62,8 +62,9 @@ using UnclaimedResults = std::set<ResultKey>;
 using ReadUnclaimed = std::function<std::optional<wire::Result>(const ResultKey&)>;
 /// Records in the plan every unclaimed result whose transition is ready. Repeats this for the
 /// transitions that thereby become ready, until no result is left that fits. Removes the recorded
-/// and the outdated results from `unclaimed`.
-Settled settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read);
+/// and the outdated results from `unclaimed`, and adds what remains to do to `settled`.
+void settle(SpacePlan& plan, UnclaimedResults& unclaimed, const ReadUnclaimed& read,
+            Settled& settled);
 
 /// Rebuilds the plans of a problem from recorded results, which must come in the order of
 /// recording. In this order a plan already waits for each result, unless an earlier result was
@@ -109,8 +110,5 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
 /// Throws if there are unclaimed results. Call only after the replay of an undamaged journal, where
 /// they come from another version of the program.
 void refuseUnclaimed(const UnclaimedResults& unclaimed);
-
-/// Returns a copy of the rows of each plan, as a dataset stores them.
-std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans);
 
 }  // namespace palpate

@@ -103,7 +103,7 @@ KnownSpaces spacesIn(const std::string& where) {
     return {dataset.scene(), dataset.spaces()};
   }
   const RecordedBuild build(where);
-  return {build.problem().scene, spaceTables(build.plans())};
+  return {build.problem().scene, mapped(build.plans(), &SpacePlan::table)};
 }
 
 }  // namespace palpate
