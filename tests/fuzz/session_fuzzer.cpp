@@ -60,6 +60,7 @@ class FuzzedWorker {
       default: break;
     }
     const WorkerSession::Next next = session_.advance(now_);
+    session_.takeOutbox();
     if (next == WorkerSession::Next::connect) session_.connected(now_);
     ended_ = next == WorkerSession::Next::end || next == WorkerSession::Next::killed;
   }
@@ -102,10 +103,8 @@ class FuzzedWorker {
 
   WorkerSession::Time now_ = WorkerSession::Time() + 1h;
   Mailbox mailbox_;
-  WorkerSession session_ = {mailbox_,
-                            {.worker_id = "w", .host = "here", .kernel_family = "baseline"},
-                            [](const wire::Message&, std::string_view) {},
-                            now_};
+  WorkerSession session_ = {
+      mailbox_, {.worker_id = "w", .host = "here", .kernel_family = "baseline"}, now_};
   bool ended_ = false;
 };
 

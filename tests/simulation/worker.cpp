@@ -32,10 +32,7 @@ WorkerProcess::WorkerProcess(Network& network, SolverWorld& world, const std::st
   options.host = host;
   options.pid = 1;
   options.kernel_family = "baseline";
-  const auto send = [this](wire::Message message, std::string_view payload) {
-    outbox_.add(std::move(message), payload);
-  };
-  session_ = std::make_unique<WorkerSession>(*mailbox_, options, send, clock_.at(now));
+  session_ = std::make_unique<WorkerSession>(*mailbox_, options, clock_.at(now));
   network_.join(peer_, now);
 }
 
@@ -141,7 +138,7 @@ void WorkerProcess::wake(Seconds now) {
     while (const auto incoming = inbox_.next([&] { return network_.forWorker(peer_, now); }))
       session_->receive(*incoming, clock_.at(now));
     const WorkerSession::Next next = session_->advance(clock_.at(now));
-    for (const Letter& letter : outbox_.take())
+    for (const Letter& letter : session_->takeOutbox())
       network_.toScheduler(peer_, letter.message, letter.payload, now_);
     switch (next) {
       case WorkerSession::Next::go_on: break;

@@ -88,7 +88,6 @@ class WorkerProcess {
   Seconds now_ = 0;
   std::unique_ptr<Mailbox> mailbox_;
   Inbox inbox_;
-  Bundler outbox_;
   std::unique_ptr<WorkerSession> session_;
   std::optional<Work> work_;
   std::optional<End> end_;

@@ -45,19 +45,9 @@ void SchedulerLink::tellTrouble(std::string trouble) {
   told_ = std::move(trouble);
 }
 
-/// Sends the messages collected since the last call.
-void SchedulerLink::send() {
-  for (const Letter& letter : outbox_.take())
-    if (sendMessage(socket_, "", letter.message, letter.payload) != Sent::yes)
-      spdlog::debug("the scheduler does not accept messages at the moment");
-}
-
 ExitCode SchedulerLink::run() {
   connect();
-  const auto add = [this](wire::Message message, std::string_view payload) {
-    outbox_.add(std::move(message), payload);
-  };
-  WorkerSession session(mailbox_, options_, add, Clock::now());
+  WorkerSession session(mailbox_, options_, Clock::now());
   for (bool draining = false;;) {
     waitForMessages(socket_, poll_interval, mailbox_.wakeUpDescriptor());
     tellTrouble(handshakes_->trouble());
@@ -68,7 +58,9 @@ ExitCode SchedulerLink::run() {
       session.interrupt(Clock::now());
     }
     const WorkerSession::Next next = session.advance(Clock::now());
-    send();
+    for (const Letter& letter : session.takeOutbox())
+      if (sendMessage(socket_, "", letter.message, letter.payload) != Sent::yes)
+        spdlog::debug("the scheduler does not accept messages at the moment");
     switch (next) {
       case WorkerSession::Next::go_on: break;
       case WorkerSession::Next::connect:

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "common/base/error.hpp"
-#include "common/wire/bundle.hpp"
 #include "common/wire/curve.hpp"
 #include "worker/link/worker_session.hpp"
 
@@ -29,7 +28,6 @@ class SchedulerLink {
 
  private:
   void connect();
-  void send();
   void tellTrouble(std::string trouble);
 
   zmq::context_t& context_;
@@ -38,7 +36,6 @@ class SchedulerLink {
   const std::optional<KeyFolder> keys_;
   zmq::socket_t socket_;
   Inbox inbox_;
-  Bundler outbox_;
   std::optional<HandshakeWatch> handshakes_;  ///< after socket_, so that it is destroyed first
   std::string told_;                          ///< reason that tellTrouble() logged last
   std::string wanted_kernels_;

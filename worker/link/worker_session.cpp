@@ -32,15 +32,25 @@ using Seconds = std::chrono::duration<double>;
 
 }  // namespace
 
-WorkerSession::WorkerSession(Mailbox& mailbox, SessionOptions options, Send send, Time now)
+WorkerSession::WorkerSession(Mailbox& mailbox, SessionOptions options, Time now)
     : mailbox_(mailbox),
       options_(std::move(options)),
-      send_(std::move(send)),
       last_turn_(now),
       last_heard_(now),
       last_connected_(now),
       last_sent_hello_(now - hello_interval),
       begun_at_(now) {}
+
+wire::Message& WorkerSession::send(std::string payload) {
+  return outbox_.emplace_back(Letter{{}, std::move(payload)}).message;
+}
+
+std::vector<Letter> WorkerSession::takeOutbox() {
+  Bundler bundler;
+  for (Letter& letter : std::exchange(outbox_, {}))
+    bundler.add(std::move(letter.message), letter.payload);
+  return bundler.take();
+}
 
 void WorkerSession::connected(Time now) {
   last_connected_ = now;
@@ -49,8 +59,7 @@ void WorkerSession::connected(Time now) {
 }
 
 void WorkerSession::sayHello(Time now) {
-  wire::Message message;
-  wire::Hello& hello = *message.mutable_hello();
+  wire::Hello& hello = *send().mutable_hello();
   hello.set_protocol(protocol_version);
   hello.set_version(buildName());
   hello.set_worker(options_.worker_id);
@@ -59,16 +68,14 @@ void WorkerSession::sayHello(Time now) {
   hello.set_pid(options_.pid);
   hello.set_kernel_family(options_.kernel_family);
   for (const std::string& family : options_.runs) hello.add_runs(family);
-  send_(std::move(message), {});
   last_sent_hello_ = now;
 }
 
 void WorkerSession::requestJobs(std::uint32_t credit, bool afresh, Time now) {
   if (draining_) return;
-  wire::Message message;
-  message.mutable_request()->set_credit(credit);
-  message.mutable_request()->set_afresh(afresh);
-  send_(std::move(message), {});
+  wire::Request& request = *send().mutable_request();
+  request.set_credit(credit);
+  request.set_afresh(afresh);
   last_asked_ = now;
 }
 
@@ -152,9 +159,7 @@ void WorkerSession::deliverAgain(Time now) {
 }
 
 void WorkerSession::deliver(const FinishedTarget& finished, Time now) {
-  wire::Message message;
-  *message.mutable_result() = finished.result;
-  send_(std::move(message), finished.fields);
+  *send(finished.fields).mutable_result() = finished.result;
   last_delivered_ = now;
 }
 
@@ -182,19 +187,15 @@ void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::st
 }
 
 void WorkerSession::askForProblem(Time now) {
-  wire::Message message;
-  message.mutable_problem_request();
-  send_(std::move(message), {});
+  send().mutable_problem_request();
   last_asked_ = now;
 }
 
 void WorkerSession::askForStart(const wire::Job& job, Time now) {
-  wire::Message message;
-  wire::FieldsRequest& request = *message.mutable_fields_request();
+  wire::FieldsRequest& request = *send().mutable_fields_request();
   request.set_id(job.start_id());
   request.set_space(job.space());
   *request.mutable_point() = job.start();
-  send_(std::move(message), {});
   last_asked_ = now;
 }
 
@@ -276,9 +277,7 @@ void WorkerSession::deliverFinished(Time now) {
 
 void WorkerSession::beat(Time now) {
   const wire::Heartbeat heartbeat = mailbox_.progress().heartbeat;
-  wire::Message message;
-  *message.mutable_heartbeat() = heartbeat;
-  send_(std::move(message), {});
+  *send().mutable_heartbeat() = heartbeat;
   last_beat_ = now;
   if (now - last_asked_ > say_again_after) askAgain(heartbeat.solving(), now);
   if (!unacknowledged_.empty() && now - last_delivered_ > say_again_after) deliverAgain(now);
@@ -294,9 +293,7 @@ void WorkerSession::askAgain(bool solving, Time now) {
 }
 
 WorkerSession::Next WorkerSession::sayGoodbye(const char* reason) {
-  wire::Message message;
-  message.mutable_goodbye()->set_reason(reason);
-  send_(std::move(message), {});
+  send().mutable_goodbye()->set_reason(reason);
   return Next::end;
 }
 

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <functional>
 #include <list>
 
 #include "common/base/program.hpp"
-#include "common/wire/wire.hpp"
+#include "common/wire/bundle.hpp"
 #include "worker/link/mailbox.hpp"
 
 namespace palpate {
@@ -38,12 +37,9 @@ struct SessionOptions {
 class WorkerSession {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Sends a message. A lost message does no harm, because each one is repeated until it is
-  /// answered.
-  using Send = std::function<void(wire::Message, std::string_view payload)>;
 
   /// `mailbox` must outlive this object.
-  WorkerSession(Mailbox& mailbox, SessionOptions options, Send send, Time now);
+  WorkerSession(Mailbox& mailbox, SessionOptions options, Time now);
 
   /// Handles a message. Error if the scheduler refuses this worker.
   void receive(const Incoming& incoming, Time now);
@@ -60,6 +56,9 @@ class WorkerSession {
   /// scheduler is silent for give_up_s, or if the solver thread failed.
   Next advance(Time now);
   void connected(Time now);
+  /// Returns the messages to be sent, in order. A lost message does no harm, because each one is
+  /// repeated until it is answered.
+  std::vector<Letter> takeOutbox();
   /// Takes no more work. The work in progress is delivered or handed back within drain_s.
   void interrupt(Time now);
 
@@ -73,6 +72,7 @@ class WorkerSession {
   std::size_t unacknowledged() const { return unacknowledged_.size(); }
 
  private:
+  wire::Message& send(std::string payload = "");
   void sayHello(Time now);
   void requestJobs(std::uint32_t credit, bool afresh, Time now);
   void handleWelcome(const wire::Welcome& welcome, Time now);
@@ -101,7 +101,7 @@ class WorkerSession {
 
   Mailbox& mailbox_;
   const SessionOptions options_;
-  const Send send_;
+  std::vector<Letter> outbox_;
 
   std::string epoch_;  ///< of the scheduler; empty before Welcome
   ContentId build_;

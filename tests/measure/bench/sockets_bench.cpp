@@ -48,10 +48,7 @@ class IdleWorker {
     socket_.set(zmq::sockopt::routing_id, "w" + options.worker_id);
     if (const auto trouble = connectDealer(socket_, endpoint); !trouble.empty())
       throw failure("{}", trouble);
-    const auto add = [this](wire::Message message, std::string_view payload) {
-      outbox_.add(std::move(message), payload);
-    };
-    session_ = std::make_unique<WorkerSession>(*mailbox_, options, add, Clock::now());
+    session_ = std::make_unique<WorkerSession>(*mailbox_, options, Clock::now());
   }
 
   /// As in SchedulerLink. Returns true if the scheduler has admitted the worker.
@@ -63,7 +60,7 @@ class IdleWorker {
     }
     if (session_->advance(Clock::now()) != WorkerSession::Next::go_on)
       throw failure("a worker does not go on");
-    for (const Letter& letter : outbox_.take())
+    for (const Letter& letter : session_->takeOutbox())
       // Without a connection messages are dropped; the session repeats them.
       static_cast<void>(sendMessage(socket_, "", letter.message, letter.payload));
     return welcome;
@@ -73,7 +70,6 @@ class IdleWorker {
   zmq::socket_t socket_;
   std::unique_ptr<Mailbox> mailbox_;
   Inbox inbox_;
-  Bundler outbox_;
   std::unique_ptr<WorkerSession> session_;
 };
 

@@ -30,21 +30,19 @@ struct WorkerSessionTest : testing::Test {
              .kernel_family = "avx2",
              .runs = {"baseline"},
              .leave_idle_s = leave_idle_s},
-            [this](const Message& message, std::string_view payload) {
-              said.emplace_back(message, payload);
-            },
             now) {}
 
   void hear(const Message& message, const std::string& payload = "") {
     session.receive({"", message, payload}, now);
+    listen();
   }
   /// Advances in steps of a second until the session ends.
   Next pass(std::chrono::seconds time) {
-    Next next = session.advance(now);
+    Next next = advance();
     for (; time > 0s && next == Next::go_on; time -= 1s) {
       now += 1s;
       answerHeartbeats();
-      next = session.advance(now);
+      next = advance();
     }
     return next;
   }
@@ -115,6 +113,16 @@ struct WorkerSessionTest : testing::Test {
   }
 
  private:
+  Next advance() {
+    const Next next = session.advance(now);
+    listen();
+    return next;
+  }
+  void listen() {
+    for (Letter& letter : session.takeOutbox())
+      for (Incoming& part : unbundled({"", std::move(letter.message), std::move(letter.payload)}))
+        said.emplace_back(std::move(part.message), std::move(part.payload));
+  }
   void answerHeartbeats() {
     Message message;
     message.mutable_heartbeat_reply()->set_epoch(epoch_);
