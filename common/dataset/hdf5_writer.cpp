@@ -87,9 +87,7 @@ Handle Writer::create(const std::string& path, Element element, const Shape& sha
   PALPATE_ASSERT(path.starts_with('/'), "the path of an array must be absolute");
   check(H5Pset_obj_track_times(properties, false), path);
   const Handle space =
-      own(shape.empty() ? H5Screate(H5S_SCALAR)
-                        : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
-          H5Sclose, path);
+      own(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, path);
   Handle dataset = own(H5Dcreate2(file_.get(), path.c_str(), typeOf(element).id, space.get(),
                                   H5P_DEFAULT, properties, H5P_DEFAULT),
                        H5Dclose, path);
@@ -101,18 +99,6 @@ void Writer::finish(Handle& dataset, ArrayInfo info) {
   setText(dataset, hash_attribute, info.hash.hex());
   check(dataset.close(), info.path);
   arrays_.push_back(std::move(info));
-}
-
-void Writer::writeBytes(const std::string& path, Element element, const Shape& shape,
-                        std::string_view bytes, const char* unit) {
-  PALPATE_ASSERT(bytes.size() == countOf(shape) * typeOf(element).size,
-                 "the bytes must fit the shape");
-  const Handle properties = own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path);
-  Handle dataset = create(path, element, shape, properties.get(), unit);
-  if (!bytes.empty())
-    check(H5Dwrite(dataset.get(), typeOf(element).id, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
-          path);
-  finish(dataset, {path, element, shape, ContentId::of(bytes)});
 }
 
 void Writer::close() { check(file_.close(), "cannot be written to its end"); }

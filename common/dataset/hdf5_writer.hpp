@@ -30,22 +30,9 @@ class Writer : public NamedFile {
                    std::span<const std::int32_t> values);
   void setNumber(const std::string& object, const char* attribute, double value);
 
-  /// Writes a whole array in contiguous layout. values.size() must be the product of the extents in
-  /// `shape`.
-  template <class T>
-  void write(const std::string& path, const Shape& shape, std::span<const T> values,
-             const char* unit) {
-    writeBytes(path, elementOf<T>(), shape, bytesOf(values), unit);
-  }
-
   /// Writes a list, one row per entry.
   template <class T>
-  void writeList(const std::string& path, const std::vector<T>& list, const char* unit) {
-    using Entry = Stored<T>;
-    static_assert(sizeof(T) == Entry::size * sizeof(typename Entry::Number));
-    writeBytes(path, elementOf<typename Entry::Number>(), Entry::shape(list.size()),
-               bytesOf(std::span(list)), unit);
-  }
+  void writeList(const std::string& path, const std::vector<T>& list, const char* unit);
   /// Starts a list of `rows` entries of type T that are added one by one.
   template <class T>
   RowWriter list(const std::string& path, hsize_t rows, const char* unit);
@@ -62,8 +49,6 @@ class Writer : public NamedFile {
                 const char* unit);
   /// Stores the hash of an array as its attribute and closes the array.
   void finish(Handle& dataset, ArrayInfo info);
-  void writeBytes(const std::string& path, Element element, const Shape& shape,
-                  std::string_view bytes, const char* unit);
   void setAttribute(const Handle& object, const char* attribute, hid_t type, hid_t space,
                     const void* value);
   void setText(const Handle& object, const char* attribute, std::string_view text);
@@ -77,9 +62,8 @@ class Writer : public NamedFile {
 /// the shuffle and gzip filters (float32 and int16 only).
 enum class RowLayout : std::uint8_t { contiguous, compressed };
 
-/// Writes an array row by row, in order of the first index, and keeps only about 1 MiB in memory. A
-/// contiguous array has the same bytes as one that Writer::write() writes at once. The Writer must
-/// outlive this object.
+/// Writes an array row by row, in order of the first index, and keeps only about 1 MiB in memory.
+/// The Writer must outlive this object.
 class RowWriter {
  public:
   /// `shape` holds the number of rows, then the shape of a row.
@@ -114,6 +98,13 @@ RowWriter Writer::list(const std::string& path, hsize_t rows, const char* unit) 
   using Entry = Stored<T>;
   static_assert(sizeof(T) == Entry::size * sizeof(typename Entry::Number));
   return {*this, path, elementOf<typename Entry::Number>(), Entry::shape(rows), unit};
+}
+
+template <class T>
+void Writer::writeList(const std::string& path, const std::vector<T>& list, const char* unit) {
+  RowWriter rows = this->list<T>(path, list.size(), unit);
+  for (const T& entry : list) rows.add(entry);
+  rows.finish();
 }
 
 }  // namespace palpate::hdf5

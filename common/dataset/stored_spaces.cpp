@@ -31,43 +31,33 @@ constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
+/// Number of a table in the counts of a space.
+enum class Table : std::uint8_t { patch_nodes, points, splits, edges, probes, attempts };
+constexpr std::size_t n_tables = 6;
+
 /// The data of one space, for writing.
 struct SpaceToWrite {
   const SpaceRows& rows;
   const std::vector<LatticeEdge>& jumps;
+  std::array<std::size_t, n_tables> counts;  ///< number of rows in each table
 };
 using SpacesToWrite = std::vector<SpaceToWrite>;
 
 // ---- the tables and their columns, for both writer and reader -------------------------------
 
-constexpr auto patch_nodes = [](auto& space) -> auto& { return space.patch.nodes; };
+constexpr auto nodes_of_patch = [](auto& space) -> auto& { return space.patch.nodes; };
 
-constexpr auto split_count = [](const SpaceToWrite& space) { return space.rows.splits().size(); };
-constexpr auto point_count = [](const SpaceToWrite& space) {
-  return static_cast<std::size_t>(space.rows.points());
-};
-constexpr auto jump_count = [](const SpaceToWrite& space) { return space.jumps.size(); };
-constexpr auto probe_count = [](const SpaceToWrite& space) {
-  return static_cast<std::size_t>(space.rows.probes());
-};
-constexpr auto attempt_count = [](const SpaceToWrite& space) {
-  std::size_t count = 0;
-  space.rows.eachAttempt([&](const FailedAttempt&) { ++count; });
-  return count;
-};
-
-/// Calls visit(firsts, rows, list, count) for each table. `firsts` is the path of the array with
+/// Calls visit(table, firsts, rows, list) for each table. `firsts` is the path of the array with
 /// the first row of each space. `rows` is the path of one of the table's arrays. list(SpaceTable)
-/// is the list with the rows of a space. count(SpaceToWrite) is the number of these rows.
+/// is the list with the rows of a space.
 template <class Visit>
 void forEachTable(const Visit& visit) {
-  visit("/spaces/first_patch_node", patch_node_path, patch_nodes,
-        [](const SpaceToWrite& space) { return space.rows.patch().nodes.size(); });
-  visit("/spaces/first_point", ijk_path, &SpaceTable::points, point_count);
-  visit("/spaces/first_split", split_level_path, &SpaceTable::splits, split_count);
-  visit("/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges, jump_count);
-  visit("/spaces/first_probe", probe_position_path, &SpaceTable::probes, probe_count);
-  visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts, attempt_count);
+  visit(Table::patch_nodes, "/spaces/first_patch_node", patch_node_path, nodes_of_patch);
+  visit(Table::points, "/spaces/first_point", ijk_path, &SpaceTable::points);
+  visit(Table::splits, "/spaces/first_split", split_level_path, &SpaceTable::splits);
+  visit(Table::edges, "/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges);
+  visit(Table::probes, "/spaces/first_probe", probe_position_path, &SpaceTable::probes);
+  visit(Table::attempts, "/spaces/first_attempt", cause_path, &SpaceTable::attempts);
 }
 
 // Each of these functions calls visit(path, unit, part) for each column of a table. `part` is the
@@ -241,13 +231,13 @@ struct ColumnWriter {
   }
 };
 
-/// Returns a writer for the rows of all spaces. countOf(space) is the number of rows of a space,
-/// and each(space, visit) calls visit(row) for each of them.
-template <class Row, class Count, class Each>
-ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, const Count& countOf,
+/// Returns a writer for the rows of all spaces in a table. each(space, visit) calls visit(row) for
+/// each row of a space.
+template <class Row, class Each>
+ColumnWriter<Row> columnsOf(Writer& out, const SpacesToWrite& spaces, Table table,
                             const Each& each) {
   std::size_t size = 0;
-  for (const SpaceToWrite& space : spaces) size += countOf(space);
+  for (const SpaceToWrite& space : spaces) size += space.counts[static_cast<std::size_t>(table)];
   return {out, size, [&spaces, each](const typename ColumnWriter<Row>::Visit& visit) {
             for (const SpaceToWrite& space : spaces) each(space, visit);
           }};
@@ -290,15 +280,12 @@ auto columnsOf(const Reader& in, std::vector<SpaceTable>& spaces, List list) {
 /// have.
 using FingerRow = std::array<double, 8>;
 
-FingerRow noFinger() {
+FingerRow rowOf(const std::optional<Finger>& finger) {
   FingerRow row;
   row.fill(no_number);
-  return row;
-}
-
-FingerRow rowOf(const Finger& finger) {
-  const Eigen::Vector3d &s = finger.center, &n = finger.reach.outward;
-  return {s[0], s[1], s[2], finger.radius, n[0], n[1], n[2], finger.reach.pull};
+  if (!finger) return row;
+  const Eigen::Vector3d &s = finger->center, &n = finger->reach.outward;
+  return {s[0], s[1], s[2], finger->radius, n[0], n[1], n[2], finger->reach.pull};
 }
 
 // ---- writing --------------------------------------------------------------------------------
@@ -307,21 +294,21 @@ void writeNames(Writer& out, const SpacesToWrite& spaces) {
   std::size_t length = 1;
   for (const SpaceToWrite& space : spaces)
     length = std::max(length, space.rows.patch().name.size());
-  std::string names(spaces.size() * length, '\0');
-  for (std::size_t s = 0; s < spaces.size(); ++s)
-    spaces[s].rows.patch().name.copy(&names[s * length], length);
-  out.write(name_path, {spaces.size(), length},
-            std::span(reinterpret_cast<const std::uint8_t*>(names.data()), names.size()), "1");
+  hdf5::RowWriter names(out, name_path, hdf5::Element::uint8, {spaces.size(), length}, "1");
+  for (const SpaceToWrite& space : spaces) {
+    std::string name = space.rows.patch().name;
+    name.resize(length);
+    names.addBytes(name);
+  }
+  names.finish();
 }
 
 /// Writes the index of the first row of each space, then the total number of rows.
-template <class Count>
-void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spaces,
-                 const Count& countOf) {
+void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spaces, Table table) {
   std::vector<std::int32_t> firsts = {0};
   std::size_t total = 0;
   for (const SpaceToWrite& space : spaces) {
-    total += countOf(space);
+    total += space.counts[static_cast<std::size_t>(table)];
     if (total > std::numeric_limits<std::int32_t>::max())
       throw failure("{}: {}: a dataset cannot have more than 2^31 - 1 rows", out.name(), path);
     firsts.push_back(static_cast<std::int32_t>(total));
@@ -343,7 +330,7 @@ bool writePatches(Writer& out, const SpacesToWrite& spaces) {
     weights.resize(nodes.size(), no_number);
     is_weighted = is_weighted || !patch.weights.empty();
     with_finger = with_finger || patch.finger;
-    fingers.push_back(patch.finger ? rowOf(*patch.finger) : noFinger());
+    fingers.push_back(rowOf(patch.finger));
     widths.push_back(patch.finger ? patch.finger->reach.width : no_number);
   }
   out.makeGroup("/patches");
@@ -392,7 +379,7 @@ bool readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
   const auto isWeighted = [](const ActiveSelection& a) { return a.tool != ToolKind::rigid; };
   const auto isFingers = [](const ActiveSelection& a) { return a.tool == ToolKind::finger; };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
-  const auto nodes = columnsOf(in, spaces, patch_nodes);
+  const auto nodes = columnsOf(in, spaces, nodes_of_patch);
   nodes(patch_node_path, "1", std::identity());
   std::vector<double> weights(nodes.rows.size());
   if (std::ranges::any_of(scene.active, isWeighted))
@@ -458,17 +445,18 @@ void checkSolved(const std::string& group, const ColumnReader<Row>& columns,
 
 void writeSplitsAndAttempts(Writer& out, const SpacesToWrite& spaces) {
   out.makeGroup("/splits");
-  forEachSplitColumn(columnsOf<LatticeCell>(out, spaces, split_count,
+  forEachSplitColumn(columnsOf<LatticeCell>(out, spaces, Table::splits,
                                             [](const SpaceToWrite& space, const auto& visit) {
                                               std::ranges::for_each(space.rows.splits(), visit);
                                             }));
   out.makeGroup("/attempts");
   forEachAttemptColumn(columnsOf<FailedAttempt>(
-      out, spaces, attempt_count,
+      out, spaces, Table::attempts,
       [](const SpaceToWrite& space, const auto& visit) { space.rows.eachAttempt(visit); }));
-  columnsOf<LatticeEdge>(out, spaces, jump_count, [](const SpaceToWrite& space, const auto& visit) {
-    std::ranges::for_each(space.jumps, visit);
-  })(jumps_path, "1", std::identity());
+  columnsOf<LatticeEdge>(out, spaces, Table::edges,
+                         [](const SpaceToWrite& space, const auto& visit) {
+                           std::ranges::for_each(space.jumps, visit);
+                         })(jumps_path, "1", std::identity());
 }
 
 }  // namespace
@@ -477,15 +465,24 @@ void writeSpaces(Writer& out, const SpaceRowsList& rows,
                  const std::vector<std::vector<LatticeEdge>>& jumps) {
   PALPATE_ASSERT(!rows.empty() && rows.size() == jumps.size(), "a scene must have an active node");
   SpacesToWrite spaces;
-  for (std::size_t s = 0; s < rows.size(); ++s) spaces.push_back({*rows[s], jumps[s]});
+  for (std::size_t s = 0; s < rows.size(); ++s) {
+    std::size_t n_attempts = 0;
+    rows[s]->eachAttempt([&](const FailedAttempt&) { ++n_attempts; });
+    spaces.push_back({*rows[s],
+                      jumps[s],
+                      {rows[s]->patch().nodes.size(), static_cast<std::size_t>(rows[s]->points()),
+                       rows[s]->splits().size(), jumps[s].size(),
+                       static_cast<std::size_t>(rows[s]->probes()), n_attempts}});
+  }
   const auto points = columnsOf<PointRecord>(
-      out, spaces, point_count, [](const SpaceToWrite& space, const auto& visit) {
+      out, spaces, Table::points, [](const SpaceToWrite& space, const auto& visit) {
         for (std::int32_t n = 0; n < space.rows.points(); ++n) visit(space.rows.point(n));
       });
-  const auto probes =
-      columnsOf<Probe>(out, spaces, probe_count, [](const SpaceToWrite& space, const auto& visit) {
-        for (std::int32_t n = 0; n < space.rows.probes(); ++n) visit(space.rows.probe(n));
-      });
+  const auto probes = columnsOf<Probe>(out, spaces, Table::probes,
+                                       [](const SpaceToWrite& space, const auto& visit) {
+                                         for (std::int32_t n = 0; n < space.rows.probes(); ++n)
+                                           visit(space.rows.probe(n));
+                                       });
   refuseUnusable(points_group, points, std::identity());
   refuseUnusable(probes_group, probes, record_of_probe);
   out.makeGroup("/spaces");
@@ -493,8 +490,8 @@ void writeSpaces(Writer& out, const SpaceRowsList& rows,
   std::vector<std::int32_t> active;
   for (const SpaceToWrite& space : spaces) active.push_back(space.rows.patch().node);
   out.writeList(active_path, active, "1");
-  forEachTable([&](const char* firsts, const char*, auto, auto countOf) {
-    writeFirsts(out, firsts, spaces, countOf);
+  forEachTable([&](Table table, const char* firsts, const char*, auto) {
+    writeFirsts(out, firsts, spaces, table);
   });
   const bool with_drive = writePatches(out, spaces);
   writeSplitsAndAttempts(out, spaces);
@@ -509,7 +506,7 @@ void writeSpaces(Writer& out, const SpaceRowsList& rows,
 std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const Mesh& mesh) {
   checkNames(in, scene);
   std::vector<SpaceTable> spaces(scene.active.size());
-  forEachTable([&](const char* firsts, const char* rows, auto list, auto) {
+  forEachTable([&](Table, const char* firsts, const char* rows, auto list) {
     resizeLists(in, firsts, rows, spaces, list);
   });
   const bool with_drive = readPatches(in, scene, mesh.nodes.size(), spaces);

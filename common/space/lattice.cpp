@@ -1,6 +1,5 @@
 #include "common/space/lattice.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <tuple>

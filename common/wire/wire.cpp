@@ -72,8 +72,6 @@ zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
 struct HostAddress {
   std::string text = {};     ///< as in endpoints: "127.0.0.1", "[::1]"; empty if not found
   std::string trouble = {};  ///< the reason if no address was found
-
-  bool isOfIPv6() const { return text.starts_with('['); }
 };
 
 /// Resolves a host name. Returns its first IPv4 address, else its first IPv6 address. IPv4 goes
@@ -124,15 +122,6 @@ std::string withAddress(const std::string& endpoint) {
   return fmt::format("tcp://{}:{}", found.text, port);
 }
 
-/// Removes unknown fields, which Protobuf would otherwise keep and forward. Returns whether there
-/// were any. Protobuf does not remove unknown fields inside maps, but no message of the protocol
-/// contains a map.
-bool dropUnknownFields(google::protobuf::Message& message) {
-  const std::size_t before = message.ByteSizeLong();
-  message.DiscardUnknownFields();
-  return message.ByteSizeLong() != before;
-}
-
 bool hasUnknownFieldsHere(const google::protobuf::Message& message) {
   return !message.GetReflection()->GetUnknownFields(message).empty();
 }
@@ -173,29 +162,20 @@ void refuseTakenPath(const std::string& endpoint) {
         endpoint, endpoint);
 }
 
-/// Reads a matrix of doubles from raw bytes, row by row. Returns false if the length is wrong.
+/// Reads a matrix of doubles from raw bytes, row by row. Returns false if the length is wrong or a
+/// number is not finite.
 template <int rows, int columns, int options>
 bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, options>& matrix) {
   Eigen::Matrix<double, rows, columns, columns == 1 ? Eigen::ColMajor : Eigen::RowMajor> values;
   if (bytes.size() != sizeof(double) * rows * columns) return false;
   std::memcpy(values.data(), bytes.data(), bytes.size());
   matrix = values;
-  return true;
+  return matrix.allFinite();
 }
 
 /// Returns the bytes of a matrix row by row, as readMatrix expects them.
 std::string matrixBytes(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& rows) {
   return {reinterpret_cast<const char*>(rows.data()), at(rows.size()) * sizeof(double)};
-}
-
-void driveToWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
-  if (!hasDrive(equilibrium)) return;
-  message.set_drive(equilibrium.drive.data(), 3 * sizeof(double));
-  message.set_drive_stiffness(matrixBytes(equilibrium.drive_stiffness));
-  message.set_drive_slope(matrixBytes(equilibrium.drive_slope));
-  message.set_stiffness_by_p(matrixBytes(equilibrium.stiffness_by_p));
-  message.set_stiffness_by_s(matrixBytes(equilibrium.stiffness_by_s));
-  message.set_drive_slope_by_p(matrixBytes(equilibrium.drive_slope_by_p));
 }
 
 bool readDrive(const wire::Equilibrium& message, Equilibrium& equilibrium) {
@@ -220,7 +200,13 @@ void toWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
   message.set_stiffness(matrixBytes(equilibrium.stiffness));
   message.set_energy(equilibrium.energy);
   message.set_min_det_f(equilibrium.min_det_F);
-  driveToWire(equilibrium, message);
+  if (!hasDrive(equilibrium)) return;
+  setVector(equilibrium.drive, *message.mutable_drive());
+  message.set_drive_stiffness(matrixBytes(equilibrium.drive_stiffness));
+  message.set_drive_slope(matrixBytes(equilibrium.drive_slope));
+  message.set_stiffness_by_p(matrixBytes(equilibrium.stiffness_by_p));
+  message.set_stiffness_by_s(matrixBytes(equilibrium.stiffness_by_s));
+  message.set_drive_slope_by_p(matrixBytes(equilibrium.drive_slope_by_p));
 }
 
 /// Returns nullopt if the message is invalid or has numbers that cannot be used.
@@ -305,9 +291,13 @@ Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Messa
 
 bool isReadable(wire::Message& message) {
   if (message.has_hello() || message.has_refused()) return true;
-  return message.has_bundle()
-             ? !hasUnknownFieldsHere(message) && !hasUnknownFieldsHere(message.bundle())
-             : !dropUnknownFields(message);
+  if (message.has_bundle())
+    return !hasUnknownFieldsHere(message) && !hasUnknownFieldsHere(message.bundle());
+  // Remove unknown fields, which Protobuf would otherwise keep and forward. Protobuf does not
+  // remove unknown fields inside maps, but no message of the protocol contains a map.
+  const std::size_t before = message.ByteSizeLong();
+  message.DiscardUnknownFields();
+  return message.ByteSizeLong() == before;
 }
 
 std::optional<PublicKey> senderOf(zmq::message_t& frame) {
@@ -410,7 +400,7 @@ std::string connectDealer(zmq::socket_t& socket, const std::string& endpoint) {
   try {
     // Set this option only for IPv6 addresses. With it libzmq prefers the IPv6 address of every
     // host that has one.
-    socket.set(zmq::sockopt::ipv6, found.isOfIPv6());
+    socket.set(zmq::sockopt::ipv6, found.text.starts_with('['));
     // Connect by host name, so that libzmq resolves the name again if the connection is lost.
     socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
@@ -517,9 +507,7 @@ std::optional<HandMotion> fromWire(const wire::HandMotion& message) {
   const bool valid = readMatrix(message.place(), hand.place) &&
                      readMatrix(message.displacement(), hand.displacement) &&
                      readMatrix(message.place_speed(), hand.place_speed) &&
-                     readMatrix(message.displacement_speed(), hand.displacement_speed) &&
-                     hand.place.allFinite() && hand.displacement.allFinite() &&
-                     hand.place_speed.allFinite() && hand.displacement_speed.allFinite();
+                     readMatrix(message.displacement_speed(), hand.displacement_speed);
   return valid ? std::optional(hand) : std::nullopt;
 }
 
@@ -543,8 +531,7 @@ std::optional<Followed> fromWire(const wire::Followed& message) {
   const auto equilibrium = fromWire(message.equilibrium());
   Expansion expansion;
   const bool valid = equilibrium && readMatrix(message.place(), expansion.place) &&
-                     readMatrix(message.displacement(), expansion.displacement) &&
-                     expansion.place.allFinite() && expansion.displacement.allFinite();
+                     readMatrix(message.displacement(), expansion.displacement);
   if (!valid) return std::nullopt;
   expansion.equilibrium = *equilibrium;
   return Followed{expansion, cost};

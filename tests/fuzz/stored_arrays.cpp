@@ -126,12 +126,14 @@ void StoredArrays::change(Choices& choices) {
 void StoredArrays::write(const std::filesystem::path& file) const {
   hdf5::Writer out(file);
   makeGroups(out, arrays);
-  for (const auto& [path, array] : arrays)
-    withElement(array.element, [&, &path = path, &array = array](auto number) {
-      std::vector<decltype(number)> values(array.bytes.size() / sizeof number);
-      std::ranges::copy(array.bytes, reinterpret_cast<char*>(values.data()));
-      out.write<decltype(number)>(path, array.shape, values, "1");
-    });
+  for (const auto& [path, array] : arrays) {
+    hdf5::RowWriter rows(out, path, array.element, array.shape, "1");
+    for (std::size_t n = 0; n < array.shape[0]; ++n) {
+      const std::size_t size = array.bytes.size() / array.shape[0];
+      rows.addBytes(std::string_view(array.bytes).substr(n * size, size));
+    }
+    rows.finish();
+  }
   for (const auto& [name, attribute] : attributes) {
     if (const auto* text = std::get_if<std::string>(&attribute))
       out.setText("/", name.c_str(), *text);

@@ -116,9 +116,10 @@ void writeRun(Writer& out, const RecordedRun& run) {
   out.setNumber("/", "guard_max_stiffness", guard.max_stiffness);
   out.setNumber("/", "guard_energy_credit", guard.energy_credit);
   out.setNumber("/", "workspace_scale", map.scale);
-  const hdf5::RowMajorMatrix3d rotation = map.rotation;
-  out.write("/workspace/rotation", {3, 3}, std::span<const double>(rotation.data(), 9), "1");
-  out.write("/workspace/origin", {3}, std::span<const double>(map.origin.data(), 3), "m");
+  const Eigen::Matrix3d rows = map.rotation.transpose();
+  out.writeList<Eigen::Vector3d>("/workspace/rotation", {rows.col(0), rows.col(1), rows.col(2)},
+                                 "1");
+  out.writeList<double>("/workspace/origin", {map.origin.begin(), map.origin.end()}, "m");
 }
 
 void checkFormat(const Reader& in, const std::filesystem::path& file) {
