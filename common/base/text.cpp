@@ -52,6 +52,12 @@ std::string shellQuoted(std::string_view word) {
   return text + "'";
 }
 
+std::string replacedAll(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at; (at = text.find(from)) != std::string::npos;)
+    text.replace(at, from.size(), to);
+  return text;
+}
+
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words) {
   constexpr std::size_t longest_word = 64;
   // Skip very long words: they are not misspellings, and the table of distance() would be large.

@@ -23,6 +23,9 @@ std::string shellWord(std::string_view file);
 /// Quotes a word for the shell.
 std::string shellQuoted(std::string_view word);
 
+/// Replaces each `from` in `text` by `to`, which must not contain `from`.
+std::string replacedAll(std::string text, std::string_view from, std::string_view to);
+
 /// Returns the entry of `words` that `word` is probably a misspelling of. This is the entry with
 /// the fewest insertions, deletions, replacements and swaps of adjacent letters. One edit is always
 /// allowed; more are allowed up to a third of the letters of `word`. Returns an empty string if no

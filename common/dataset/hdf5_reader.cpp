@@ -54,14 +54,6 @@ double bytesReadAtOnce(const ArrayInfo& info) {
   return bytes;
 }
 
-std::string describeExpected(const Shape& expected) {
-  std::string text = describe(expected);
-  const std::string any = std::to_string(any_extent);
-  for (std::size_t at; (at = text.find(any)) != std::string::npos;)
-    text.replace(at, any.size(), "n");
-  return text;
-}
-
 }  // namespace
 
 bool isOpenForWriting(const std::filesystem::path& file) {
@@ -227,9 +219,10 @@ const ArrayInfo& Reader::array(const std::string& path, Element element,
                                const Shape& expected) const {
   const ArrayInfo& info = array(path);
   if (info.element != element || !isShape(info.shape, expected))
-    throw damaged(
-        path, fmt::format("is {} {} instead of {} {}", typeOf(info.element).name,
-                          describe(info.shape), typeOf(element).name, describeExpected(expected)));
+    throw damaged(path,
+                  fmt::format("is {} {} instead of {} {}", typeOf(info.element).name,
+                              describe(info.shape), typeOf(element).name,
+                              replacedAll(describe(expected), std::to_string(any_extent), "n")));
   return info;
 }
 

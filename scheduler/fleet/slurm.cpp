@@ -90,16 +90,13 @@ std::chrono::seconds elapsedOf(std::string_view text) {
   return std::chrono::seconds(24 * 3600 * days + seconds);
 }
 
-template <std::size_t count>
-bool isOneOf(const std::string& state, const std::array<const char*, count>& states) {
-  return std::ranges::find(states, state) != states.end();
-}
-constexpr std::array queued_states = {"PENDING",     "REQUEUED",     "REQUEUE_HOLD",
-                                      "REQUEUE_FED", "SPECIAL_EXIT", "RESV_DEL_HOLD"};
-constexpr std::array running_states = {"RUNNING",  "CONFIGURING", "SUSPENDED", "STOPPED",
-                                       "RESIZING", "SIGNALING",   "STAGE_OUT"};
-constexpr std::array failed_states = {"FAILED", "BOOT_FAIL", "OUT_OF_MEMORY"};
-constexpr std::array well_states = {"COMPLETED", "TIMEOUT"};
+using States = std::set<std::string_view>;
+const States queued_states = {"PENDING",     "REQUEUED",     "REQUEUE_HOLD",
+                              "REQUEUE_FED", "SPECIAL_EXIT", "RESV_DEL_HOLD"};
+const States running_states = {"RUNNING",  "CONFIGURING", "SUSPENDED", "STOPPED",
+                               "RESIZING", "SIGNALING",   "STAGE_OUT"};
+const States failed_states = {"FAILED", "BOOT_FAIL", "OUT_OF_MEMORY"};
+const States well_states = {"COMPLETED", "TIMEOUT"};
 
 /// Classifies the end of a job. `status` is an exit status in the form of wait().
 Launches::Ended endOf(const std::string& state, std::string_view status,
@@ -110,8 +107,8 @@ Launches::Ended endOf(const std::string& state, std::string_view status,
   const bool told_to = WIFEXITED(number)
                            ? WEXITSTATUS(number) == static_cast<int>(ExitCode::interrupted)
                            : WTERMSIG(number) == SIGTERM;
-  end.how = isOneOf(state, well_states)                 ? How::well
-            : isOneOf(state, failed_states) && !told_to ? How::failed
+  end.how = well_states.contains(state)                 ? How::well
+            : failed_states.contains(state) && !told_to ? How::failed
                                                         : How::from_outside;
   end.words = reason == "NonZeroExitCode" ? "" : reason;
   const std::string how = WIFEXITED(number) ? fmt::format("exit code {}", WEXITSTATUS(number))
@@ -135,7 +132,7 @@ SlurmJobs SlurmJobs::parsed(const std::string& text, const std::string& endpoint
   for (std::string line; std::getline(lines, line);) {
     const auto [state, id, node, status, used, when, comment, reason] = cellsOf(line);
     if (state.empty() || id.empty()) continue;
-    const bool queued = isOneOf(state, queued_states), running = isOneOf(state, running_states);
+    const bool queued = queued_states.contains(state), running = running_states.contains(state);
     if ((queued || running) && comment.starts_with(comment_prefix) &&
         comment.substr(comment_prefix.size()) != endpoint) {
       jobs.elsewhere.push_back(id);
@@ -222,17 +219,7 @@ std::string Slurm::logOf(const std::string& id) const {
   const std::size_t bar = id.find('_');
   const std::string array = id.substr(0, bar);
   const std::string element = bar == std::string::npos ? "" : id.substr(bar + 1);
-  std::string file;
-  for (std::size_t at = 0; at < options_.log.size(); ++at) {
-    const char what = options_.log[at] == '%' ? options_.log.substr(at + 1, 1)[0] : '\0';
-    if (what == 'A' || what == 'a') {
-      file += what == 'A' ? array : element;
-      ++at;
-    } else {
-      file += options_.log[at];
-    }
-  }
-  return file;
+  return replacedAll(replacedAll(options_.log, "%A", array), "%a", element);
 }
 
 }  // namespace palpate

@@ -17,10 +17,62 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct SshFleetOptions : FleetOptions {
+// ---- Command line ----
+
+/// Adds an option for a number from 1 to `most`. --help shows its default.
+void addCount(CLI::App& app, const char* name, int& count, int most, const char* help) {
+  app.add_option(name, count, help)->check(CLI::Range(1, most))->capture_default_str();
+}
+
+void addCommon(CLI::App& app, FleetOptions& options) {
+  options.asked.addTo(app);
+  app.add_option("--connect", options.endpoint,
+                 "Scheduler address for workers, tcp://HOST:PORT [WHERE]");
+  addCount(app, "--every", options.every_s, 3600, "Seconds between two queries of the scheduler");
+  addCount(app, "--give-up", options.give_up_s, 7 * 24 * 3600,
+           "End all workers after this many seconds without an answer");
+  app.add_flag("--dry-run", options.dry_run, "Print what would be done, and do nothing");
+}
+
+struct SlurmOrder : SlurmFleetOptions {
+  void addTo(CLI::App& app) {
+    addCommon(app, *this);
+    addCount(app, "--most", limits.most, 100000, "Maximum number of workers, one core each");
+    addCount(app, "--backlog", limits.most_queued, 100000, "Maximum number of queued workers");
+    addCount(app, "--each", limits.transitions_each, 100000,
+             "Request one more worker for every N solves that are ready to start");
+    addCount(app, "--minutes", slurm.minutes, 60 * 24 * 30, "Time limit of each job, minutes");
+    addCount(app, "--leave-idle", leave_idle_s, 24 * 3600,
+             "Seconds without work after which a worker leaves");
+    app.add_option("--constraint", slurm.constraint, "Required features of nodes, as for sbatch");
+    app.add_option("--log", slurm.log, "Output file of the workers, as for sbatch")
+        ->capture_default_str();
+    app.add_flag("--cancel", cancel, "End all jobs of this build");
+    app.add_option("SBATCH", slurm.more,
+                   "Options for sbatch, after --: -- --partition=short --account=me");
+    app.footer(
+        "Runs until the build is complete, and then leaves no job behind. You can end it and start\n"
+        "it again at any time, even while the scheduler restarts: it stores nothing.");
+  }
+};
+
+struct SshOrder : FleetOptions {
   SshOptions ssh;
   std::vector<std::string> hosts;
   std::string program = "palpate";  ///< as the remote shell finds it
+
+  void addTo(CLI::App& app) {
+    addCommon(app, *this);
+    addRequired(app, "--hosts", hosts,
+                "Machines for ssh, HOST or USER@HOST; HOST:N starts N workers [one per core]");
+    app.add_option("--program", program, "Path or name of palpate on the machines")
+        ->capture_default_str();
+    app.add_option("SSH", ssh.more, "Options for ssh, after --: -- -p 2222 -i KEY");
+    app.footer(
+        "Runs until the build is complete or you interrupt it, and then leaves no worker behind.\n"
+        "Machines that cannot be reached are tried again. ssh must not ask questions: set up keys,\n"
+        "and accept the host keys of the machines beforehand.");
+  }
 };
 
 /// Time for a worker to deliver its results. Slurm kills a cancelled job after 30 s (KillWait) by
@@ -86,7 +138,7 @@ ExitCode runSlurm(SlurmFleetOptions& options) {
 
 // ---- ssh ----
 
-ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
+ExitCode keepHosts(const SshOrder& options, SshHosts& hosts) {
   // The time that workers have to deliver, and 5 s for the connection.
   constexpr std::chrono::seconds grace{seconds_to_deliver + 5};
   FleetWatch watch(options);
@@ -122,7 +174,7 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
   return ExitCode::done;
 }
 
-ExitCode runSsh(SshFleetOptions& options) {
+ExitCode runSsh(SshOrder& options) {
   for (const std::string& host : options.hosts) SshHosts::checkHost(host);
   catchInterrupts();
   if (meet(options).state() == "complete") {
@@ -139,72 +191,17 @@ ExitCode runSsh(SshFleetOptions& options) {
   return ExitCode::done;
 }
 
-// ---- Command line ----
-
-/// Adds an option for a number from 1 to `most`. --help shows its default.
-void addCount(CLI::App& app, const char* name, int& count, int most, const char* help) {
-  app.add_option(name, count, help)->check(CLI::Range(1, most))->capture_default_str();
-}
-
-void addTo(CLI::App& app, FleetOptions& options) {
-  options.asked.addTo(app);
-  app.add_option("--connect", options.endpoint,
-                 "Scheduler address for workers, tcp://HOST:PORT [WHERE]");
-  addCount(app, "--every", options.every_s, 3600, "Seconds between two queries of the scheduler");
-  addCount(app, "--give-up", options.give_up_s, 7 * 24 * 3600,
-           "End all workers after this many seconds without an answer");
-  app.add_flag("--dry-run", options.dry_run, "Print what would be done, and do nothing");
-}
-
-void addTo(CLI::App& app, SlurmFleetOptions& options) {
-  addTo(app, static_cast<FleetOptions&>(options));
-  addCount(app, "--most", options.limits.most, 100000, "Maximum number of workers, one core each");
-  addCount(app, "--backlog", options.limits.most_queued, 100000,
-           "Maximum number of queued workers");
-  addCount(app, "--each", options.limits.transitions_each, 100000,
-           "Request one more worker for every N solves that are ready to start");
-  addCount(app, "--minutes", options.slurm.minutes, 60 * 24 * 30,
-           "Time limit of each job, minutes");
-  addCount(app, "--leave-idle", options.leave_idle_s, 24 * 3600,
-           "Seconds without work after which a worker leaves");
-  app.add_option("--constraint", options.slurm.constraint,
-                 "Required features of nodes, as for sbatch");
-  app.add_option("--log", options.slurm.log, "Output file of the workers, as for sbatch")
-      ->capture_default_str();
-  app.add_flag("--cancel", options.cancel, "End all jobs of this build");
-  app.add_option("SBATCH", options.slurm.more,
-                 "Options for sbatch, after --: -- --partition=short --account=me");
-  app.footer(
-      "Runs until the build is complete, and then leaves no job behind. You can end it and start\n"
-      "it again at any time, even while the scheduler restarts: it stores nothing.");
-}
-
-void addTo(CLI::App& app, SshFleetOptions& options) {
-  addTo(app, static_cast<FleetOptions&>(options));
-  addRequired(app, "--hosts", options.hosts,
-              "Machines for ssh, HOST or USER@HOST; HOST:N starts N workers [one per core]");
-  app.add_option("--program", options.program, "Path or name of palpate on the machines")
-      ->capture_default_str();
-  app.add_option("SSH", options.ssh.more, "Options for ssh, after --: -- -p 2222 -i KEY");
-  app.footer(
-      "Runs until the build is complete or you interrupt it, and then leaves no worker behind.\n"
-      "Machines that cannot be reached are tried again. ssh must not ask questions: set up keys,\n"
-      "and accept the host keys of the machines beforehand.");
-}
-
-template <class Options, ExitCode run(Options&)>
+template <class Options, auto run>
 void addEngine(CLI::App& app, const char* name, const char* what,
                const std::shared_ptr<std::function<ExitCode()>>& chosen) {
-  const auto options = std::make_shared<Options>();
   CLI::App& engine = *app.add_subcommand(name, what);
-  addTo(engine, *options);
-  engine.callback([options, chosen] { *chosen = [options] { return run(*options); }; });
+  engine.callback([chosen, run_it = prepareVerb<Options, run>(engine)] { *chosen = run_it; });
 }
 
 std::function<ExitCode()> prepareFleet(CLI::App& app) {
   const auto chosen = std::make_shared<std::function<ExitCode()>>();
-  addEngine<SlurmFleetOptions, runSlurm>(app, "slurm", "Start workers as jobs of Slurm", chosen);
-  addEngine<SshFleetOptions, runSsh>(app, "ssh", "Start workers on other machines by ssh", chosen);
+  addEngine<SlurmOrder, runSlurm>(app, "slurm", "Start workers as jobs of Slurm", chosen);
+  addEngine<SshOrder, runSsh>(app, "ssh", "Start workers on other machines by ssh", chosen);
   app.require_subcommand(1);
   return [chosen] { return (*chosen)(); };
 }

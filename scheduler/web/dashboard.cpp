@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/base/bytes32.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 
@@ -10,17 +11,13 @@ namespace palpate {
 extern const char* const dashboard_html;
 
 HttpAnswer dashboardPage() {
-  constexpr std::string_view placeholder = "NONCE";
   const std::string nonce = hexOf(randomBytes(16));
-  std::string page = dashboard_html;
-  for (std::size_t at = 0; (at = page.find(placeholder, at)) != std::string::npos;)
-    page.replace(at, placeholder.size(), nonce);
   const std::string policy = fmt::format(
       "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; "
       "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
       nonce);
   return {.type = "text/html; charset=utf-8",
-          .body = std::move(page),
+          .body = replacedAll(dashboard_html, "NONCE", nonce),
           .headers = {{"Content-Security-Policy", policy}}};
 }
 

@@ -1,7 +1,6 @@
 #include "worker/check/measured_paths.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <functional>
 
