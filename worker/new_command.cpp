@@ -97,7 +97,7 @@ void writeScene(const NewOptions& options) {
   const GuessedUnit unit = unitOfMesh(options, parseGmsh(msh, options.mesh));
   const Mesh mesh = parseGmsh(msh, options.mesh, unit.unit.metres);
   const ProposedScene scene =
-      proposedScene(mesh, sceneNameOf(place), mesh_file.filename().string(), unit.unit, unit.doubt);
+      proposedScene(mesh, sceneNameOf(place), mesh_file.filename().string(), unit);
   makeFolder(scene_file.parent_path());
   // The scene is written last, so that a folder that has a scene is complete.
   if (!is_there) replaceFile(copy, msh, "mesh");

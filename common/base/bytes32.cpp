@@ -34,11 +34,9 @@ std::string base64Of(std::string_view bytes) {
 }
 
 Bytes32 Bytes32::of(std::string_view bytes) {
-  startSodium();
-  Bytes32 hash;
-  crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
-                     bytes.size(), nullptr, 0);
-  return hash;
+  ContentHasher hasher;
+  hasher.add(bytes);
+  return hasher.finish();
 }
 
 std::optional<Bytes32> Bytes32::fromHex(std::string_view hex) {

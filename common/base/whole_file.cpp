@@ -30,10 +30,6 @@ Error unwritable(const std::filesystem::path& file, std::string_view what) {
       file.string(), what, reason);
 }
 
-bool isTheSame(const struct stat& a, const struct stat& b) {
-  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
-}
-
 /// Opens and locks FILE.tmp, so that other processes wait. A file that a killed process has left is
 /// reused. On file systems without locks (some network file systems), two processes may write the
 /// file at the same time.
@@ -50,7 +46,9 @@ FileDescriptor takeAside(const std::filesystem::path& aside, std::string_view wh
                                 aside.string()));
     // Try again if the locked file is no longer at the path: the process that held the lock before
     // has renamed or removed it.
-    if (stat(aside.c_str(), &there) != 0 || !isTheSame(held, there)) continue;
+    if (stat(aside.c_str(), &there) != 0 || held.st_dev != there.st_dev ||
+        held.st_ino != there.st_ino)
+      continue;
     if ((held.st_mode & 077 & ~mode) != 0 && fchmod(taken.get(), mode) != 0)
       throw unwritable(aside, what);
     return taken;

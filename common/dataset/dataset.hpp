@@ -22,8 +22,8 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 ///
 /// `spaces` holds one entry per entry of problem.active, in the same order and with the same
 /// patches. The lattice of each must be the uniform lattice of the problem, to which points may
-/// have been added. Each must have one record per point and pass faultOf(). Otherwise an Error is
-/// thrown, and nothing is written.
+/// have been added. Each must have one record per point and pass faultOf(). Otherwise nothing is
+/// written, and an Error (faultOf) or std::logic_error is thrown.
 ///
 /// `fields` is called once for every solved point, in order of space and point. It must return the
 /// fields with the id in the point's record (PointRecord::fields). scene.storage decides which part

@@ -1,3 +1,4 @@
+#include "common/base/assertion.hpp"
 #include "common/base/program.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/dataset/dataset.hpp"
@@ -7,29 +8,22 @@
 namespace palpate {
 namespace {
 
-void checkArguments(const std::string& file, const Problem& problem, const SpaceRowsList& spaces) {
-  if (spaces.empty() || spaces.size() != problem.active.size())
-    throw failure("{}: the dataset would have {} spaces for {} active nodes", file, spaces.size(),
-                  problem.active.size());
+void checkSpaces(const std::string& file, const Problem& problem, const SpaceRowsList& spaces) {
+  PALPATE_ASSERT(!spaces.empty() && spaces.size() == problem.active.size(),
+                 "each active node must have a space");
   for (std::size_t s = 0; s < spaces.size(); ++s) {
-    const ActivePatch &given = spaces[s]->patch(), &active = problem.active[s];
-    const Lattice expected = uniformLattice(problem.scene, active);
-    if (given != active)
-      throw failure("{}: space {} is \"{}\", but the active node of the scene is \"{}\"", file, s,
-                    given.name, active.name);
-    const Lattice& lattice = spaces[s]->lattice();
-    if (lattice.radius() != expected.radius() || lattice.spacing() != expected.spacing() ||
-        lattice.divisions() != expected.divisions() || lattice.uniformSize() != expected.size())
-      throw failure(
-          "{}: space \"{}\": its lattice (radius {} m, spacing {} m) "
-          "is not that of the scene (radius {} m, spacing {} m)",
-          file, given.name, lattice.radius(), lattice.spacing(), expected.radius(),
-          expected.spacing());
-    if (spaces[s]->points() < lattice.uniformSize())
-      throw failure("{}: space \"{}\": has {} points, but its lattice has {}", file, given.name,
-                    spaces[s]->points(), lattice.uniformSize());
+    const Lattice &lattice = spaces[s]->lattice(),
+                  expected = uniformLattice(problem.scene, problem.active[s]);
+    PALPATE_ASSERT(spaces[s]->patch() == problem.active[s],
+                   "a space must have the patch of its active node");
+    PALPATE_ASSERT(
+        lattice.radius() == expected.radius() && lattice.spacing() == expected.spacing() &&
+            lattice.divisions() == expected.divisions() && lattice.uniformSize() == expected.size(),
+        "a space must begin with the lattice of the scene");
+    PALPATE_ASSERT(spaces[s]->points() >= lattice.uniformSize(),
+                   "each point of the lattice must have a record");
     if (const std::string fault = faultOf(*spaces[s]); !fault.empty())
-      throw failure("{}: space \"{}\": {}", file, given.name, fault);
+      throw failure("{}: space \"{}\": {}", file, spaces[s]->patch().name, fault);
   }
 }
 
@@ -84,7 +78,7 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem,
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());
-  checkArguments(file.string(), problem, spaces);
+  checkSpaces(file.string(), problem, spaces);
   replaceFile(file, [&](const std::filesystem::path& aside) {
     const ContentId content = writeDataset(aside, problem, spaces, kernel_family, fields, partial);
     // Read the new file and check it before it replaces an older one.

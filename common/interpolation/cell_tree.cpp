@@ -93,7 +93,9 @@ void CellTree::makeSlots(const SpaceTable& space) {
     corners_[leaf][c] = static_cast<std::int32_t>(
         std::lower_bound(points.begin(), points.end(), point) - points.begin());
   });
-  const auto level = [this](std::int32_t slot) { return leaves_[at(slots_[at(slot)].leaf)].level; };
+  const auto level = [this](std::int32_t slot) {
+    return leaves_[at(slots_[at(slot)].place.leaf)].level;
+  };
   std::ranges::stable_sort(hanging_, {}, level);
 }
 
@@ -111,8 +113,7 @@ void CellTree::hang(CellSlot& slot) const {
   if (isCorner(coarsest.local)) return;
   slot.kind = SlotKind::hanging;
   slot.number = -1;
-  slot.leaf = coarsest.leaf;
-  slot.local = coarsest.local;
+  slot.place = coarsest;
 }
 
 LeafPlace CellTree::leafBeside(const LatticePoint& point, std::size_t octant) const noexcept {

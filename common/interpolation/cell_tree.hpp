@@ -20,24 +20,23 @@ enum class SlotKind : std::uint8_t {
   hanging,
 };
 
-/// A vertex of the leaves. All leaves that meet at a slot share its nodal data, which makes
-/// interpolants continuous.
-struct CellSlot {
-  LatticePoint point = {0, 0, 0};
-  SlotKind kind = SlotKind::ghost;
-  std::int32_t number = -1;                         ///< lattice number if solved
-  std::int32_t leaf = -1;                           ///< the coarser leaf if hanging
-  Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< coordinates in that leaf, 0..1
-};
-
-/// Slots of the eight corners of a leaf. Corner c has offset (c & 1, c >> 1 & 1, c >> 2 & 1).
-using LeafCorners = std::array<std::int32_t, 8>;
-
 /// The leaf that contains a displacement, and the place in it.
 struct LeafPlace {
   std::int32_t leaf = -1;                           ///< -1 if outside the ball
   Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< coordinates in the leaf, 0..1
 };
+
+/// A vertex of the leaves. All leaves that meet at a slot share its nodal data, which makes
+/// interpolants continuous.
+struct CellSlot {
+  LatticePoint point = {0, 0, 0};
+  SlotKind kind = SlotKind::ghost;
+  std::int32_t number = -1;  ///< lattice number if solved
+  LeafPlace place = {};      ///< in the coarser leaf if hanging
+};
+
+/// Slots of the eight corners of a leaf. Corner c has offset (c & 1, c >> 1 & 1, c >> 2 & 1).
+using LeafCorners = std::array<std::int32_t, 8>;
 
 /// Returns whether is(lower end, upper end) is true for at least one edge of a leaf.
 template <class Is>
@@ -150,7 +149,7 @@ void fillHanging(const CellTree& tree, Values& values, Evaluate evaluate) {
   PALPATE_ASSERT(values.size() == tree.slots().size(), "each corner of a cell must have a value");
   for (const std::int32_t s : tree.hangingSlots()) {
     const CellSlot& slot = tree.slots()[at(s)];
-    values[at(s)] = evaluate(slot.leaf, slot.local);
+    values[at(s)] = evaluate(slot.place.leaf, slot.place.local);
   }
 }
 

@@ -91,7 +91,7 @@ class Disagreement {
       const CellSlot& slot = tree_.slots()[s];
       if (slot.kind == SlotKind::hanging) {
         hanging += weights[c];
-        if (weights[c] > 0) of_coarser += weights[c] * inherited(slot.leaf, slot.local);
+        if (weights[c] > 0) of_coarser += weights[c] * inherited(slot.place.leaf, slot.place.local);
         continue;
       }
       const Eigen::Vector3d corner(c & 1, c >> 1 & 1, c >> 2);

@@ -84,10 +84,6 @@ constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e
 /// singular stiffness, in contrast, slopes of dT/ds are wrong by factors of thousands.
 constexpr double farther_slopes = 3;
 
-KnownOrders oneLess(KnownOrders known) {
-  return static_cast<KnownOrders>(static_cast<int>(known) - 1);
-}
-
 /// Returns how many data of a source enter the fit. FitSource::known and LocalFits::Kind::known
 /// both limit their order.
 Eigen::Index numbersOf(KnownOrders of_source, KnownOrders of_kind) {
@@ -226,7 +222,8 @@ KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource
     }
   }
   const double farther = kind_.known == KnownOrders::slope ? farther_slopes : 1;
-  return with <= farther * farther * without ? kind_.known : oneLess(kind_.known);
+  const int one_less = with <= farther * farther * without ? 0 : 1;
+  return static_cast<KnownOrders>(static_cast<int>(kind_.known) - one_less);
 }
 
 int LocalFits::degreeFor(std::size_t sources) const {

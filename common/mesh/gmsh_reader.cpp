@@ -258,8 +258,8 @@ class GmshText {
     return node->second;
   }
 
-  ElementType takeElementType(int& type) {
-    type = lines_.take<int>("an element type");
+  int takeElementType() {
+    const auto type = lines_.take<int>("an element type");
     if (type < 1 || type >= static_cast<int>(element_types.size()))
       throw lines_.wrong("element type {} is not known", type);
     const ElementType& found = element_types[type];
@@ -268,7 +268,7 @@ class GmshText {
           "element type {} of Gmsh, with {} nodes, is not supported: volume elements must be "
           "tetrahedra with 4 or 10 nodes (mesh without recombination, and with -order 1 or 2)",
           type, found.nodes);
-    return found;
+    return type;
   }
 
   /// Reads the nodes of an element from the current line and adds them to `group`. Adds a volume
@@ -310,17 +310,11 @@ class GmshText {
     mesh_.tetrahedra.reserve(lines_.reserveFor(count));
     eachLine(count, [&] {
       const std::int64_t tag = takeTag("the number of an element");
-      int type = 0;
-      const int dimension = takeElementType(type).dimension;
+      const int type = takeElementType();
       const std::size_t n_tags = lines_.takeCount("the number of tags");
-      std::int64_t physical = 0;  // 0: no group
-      for (std::size_t n = 0; n < n_tags; ++n) {
-        if (n == 0)
-          physical = takeGroup();
-        else
-          takeTag("a tag");
-      }
-      addElement(tag, type, {dimension, physical});
+      const std::int64_t physical = n_tags > 0 ? takeGroup() : 0;  // 0: no group
+      for (std::size_t n = 1; n < n_tags; ++n) takeTag("a tag");
+      addElement(tag, type, {element_types[type].dimension, physical});
     });
   }
 
@@ -332,8 +326,8 @@ class GmshText {
     std::size_t read = 0;
     eachLine(n_blocks, [&] {
       const Key entity = {takeDimension(), takeTag("the tag of an entity")};
-      int type = 0;
-      if (takeElementType(type).dimension != entity.first)
+      const int type = takeElementType();
+      if (element_types[type].dimension != entity.first)
         throw lines_.wrong("element type {} in a block of dimension {}", type, entity.first);
       const std::size_t count = lines_.takeCount("the number of elements of a block");
       lines_.expectEndOfLine();

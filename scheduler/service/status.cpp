@@ -39,12 +39,6 @@ wire::SpaceStatus& rowFor(wire::Status& status, const ActiveSelection& active) {
   return *status.mutable_spaces()->rbegin();
 }
 
-/// Sets the stage of a row. If a row counts several plans, it shows the stage of an incomplete one,
-/// if there is any.
-void setStage(wire::SpaceStatus& row, Stage stage) {
-  if (row.stage().empty() || stage != Stage::complete) row.set_stage(std::string(name(stage)));
-}
-
 /// Returns true if the counts of all spaces, and their sums, are possible for a build.
 bool countsMakeSense(const wire::Status& status) {
   std::int64_t sum = 0;
@@ -110,7 +104,9 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
     const SpacePlan& plan = plans[p];
     const ActiveSelection& active = problem.scene.active[p];
     wire::SpaceStatus& row = rowFor(status, active);
-    setStage(row, plan.stage());
+    // A row that counts several plans shows the stage of an incomplete one, if there is any.
+    if (row.stage().empty() || plan.stage() != Stage::complete)
+      row.set_stage(std::string(name(plan.stage())));
     const CompactPoints& points = plan.points();
     // A place where an area is measured counts as one point, its probe; its rest position is left
     // out. Before its probe exists, the place counts as an unknown point.

@@ -40,7 +40,7 @@ struct Inspection {
   std::size_t records = 0;       ///< undamaged records of this build
   std::uint64_t bytes = 0;       ///< total size of all segments
   std::uint64_t unfinished = 0;  ///< number of bytes after the last record, left by a crash
-  JournalEnd end;
+  JournalPosition end;
   std::vector<JournalDamage> damage;
   std::vector<std::string> dropped;    ///< messages about the records that are marked as dropped
   std::vector<JournalDamage> foreign;  ///< undamaged records of other builds

@@ -15,8 +15,7 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
       kept_out_(tables_.keptOut()),
       found_(replayJournal(directory.path(), problem, tables_.build().build, kept_out_,
                            tables_.progress().value_or(Progress()).recorded)),
-      journal_(directory.path(), found_.recorded.end, segment_bytes),
-      kernel_family_(found_.kernel_family) {
+      journal_(directory.path(), found_.recorded.end, segment_bytes) {
   journal_.dropAll(std::exchange(found_.recorded.torn, {}));
   for (const std::string& damage : found_.recorded.damage)
     spdlog::warn("{}; the results recorded there are computed again", damage);
@@ -54,7 +53,7 @@ void JobStore::append(const wire::Result& header, std::string_view payload) {
   PALPATE_ASSERT(!knows(key), "a transition must have only one recorded result");
   PALPATE_ASSERT(header.lease().empty(), "a lease must not be recorded");
   appended_.emplace_back(key, journal_.append(header.SerializeAsString(), payload));
-  kernel_family_ = header.kernel_family();
+  found_.kernel_family = header.kernel_family();
 }
 
 void JobStore::commit() {

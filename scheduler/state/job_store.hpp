@@ -23,7 +23,7 @@ class JobStore {
   const ContentId& build() const { return tables_.build().build; }
   Tables& tables() { return tables_; }
   /// Kernel family that computed the results; empty before the first result.
-  const std::string& kernelFamily() const { return kernel_family_; }
+  const std::string& kernelFamily() const { return found_.kernel_family; }
   /// Returns the plans with the results of earlier runs. Call once.
   Replay takeReplay() { return std::move(found_.replay); }
   std::size_t found() const { return found_.results; }  ///< number of results of earlier runs
@@ -73,7 +73,6 @@ class JobStore {
   Journal journal_;
   /// appended since the last commit()
   std::vector<std::pair<ResultKey, JournalPosition>> appended_;
-  std::string kernel_family_;
 };
 
 }  // namespace palpate

@@ -187,15 +187,6 @@ std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
   return numbers;
 }
 
-constexpr const char* no_record = "no record can be read there";
-
-/// True if the gap is shorter than a record's head and begins with the mark of a dropped record
-/// (markFor).
-bool isMarked(const SegmentFile& file, std::uint64_t from, std::uint64_t to) {
-  return to - from < sizeof(Head) &&
-         file.read(from, to - from).starts_with(Head::dropped.substr(0, to - from));
-}
-
 void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit& visit,
                  JournalScan& found) {
   using Kind = JournalGap::Kind;
@@ -207,10 +198,12 @@ void scanSegment(const SegmentFile& file, bool last, const JournalReader::Visit&
          fmt::format("{}: bytes {} to {}: {}", file.path().string(), from, to, what)});
   };
   const auto stretch = [&](std::uint64_t from, std::uint64_t to) {
-    if (isMarked(file, from, to))
+    // A gap shorter than a head may hold the beginning of the mark of a dropped record (markFor).
+    if (to - from < sizeof(Head) &&
+        file.read(from, to - from).starts_with(Head::dropped.substr(0, to - from)))
       gap(Kind::dropped, from, to, "too short for a record; dropped earlier");
     else
-      gap(Kind::damaged, from, to, no_record);
+      gap(Kind::damaged, from, to, "no record can be read there");
   };
   std::uint64_t behind_last = 0;
   for (std::uint64_t at = 0; at < file.size();) {
@@ -261,6 +254,22 @@ std::string markFor(const SegmentFile& file, const JournalPosition& position) {
   return {reinterpret_cast<const char*>(&head), sizeof head};
 }
 
+DamagedRecord damaged(const SegmentFile& file, const JournalPosition& position, const char* what) {
+  return {position, fmt::format("{}: the record at byte {} is damaged ({})", file.path().string(),
+                                position.offset, what)};
+}
+
+/// Returns the head and the header of a record.
+std::pair<Head, std::string> recordAt(const SegmentFile& file, const JournalPosition& position) {
+  auto record = file.headAt(position.offset);
+  if (!file.exists()) throw damaged(file, position, "the file is missing");
+  if (!record || !record->first.is(Head::whole))
+    throw damaged(file, position, "its head or its header");
+  if (record->first.recordBytes() != position.length)
+    throw damaged(file, position, "another record is there");
+  return std::move(*record);
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> JournalReader::segments() const { return segmentsIn(directory_); }
@@ -307,32 +316,19 @@ const SegmentFile& JournalReader::fileWith(const JournalPosition& position) cons
 
 JournalRecord JournalReader::read(const JournalPosition& position) const {
   const SegmentFile& file = fileWith(position);
-  auto record = file.headAt(position.offset);
-  const auto damaged = [&](const char* what) {
-    return DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged ({})",
-                                               file.path().string(), position.offset, what));
-  };
-  if (!file.exists()) throw damaged("the file is missing");
-  if (!record || !record->first.is(Head::whole)) throw damaged("its head or its header");
-  const Head& head = record->first;
-  if (head.recordBytes() != position.length) throw damaged("another record is there");
+  auto [head, header] = recordAt(file, position);
   std::string payload =
       file.read(position.offset + sizeof head + head.header_bytes, head.payload_bytes);
   if (payload.size() != head.payload_bytes || crcOf(payload) != head.payload_crc)
-    throw damaged("its payload");
-  return {std::move(record->second), std::move(payload)};
+    throw damaged(file, position, "its payload");
+  return {std::move(header), std::move(payload)};
 }
 
 std::string JournalReader::readHeader(const JournalPosition& position) const {
-  const SegmentFile& file = fileWith(position);
-  auto record = file.headAt(position.offset);
-  if (!record || !record->first.is(Head::whole) || record->first.recordBytes() != position.length)
-    throw DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged",
-                                              file.path().string(), position.offset));
-  return std::move(record->second);
+  return recordAt(fileWith(position), position).second;
 }
 
-Journal::Journal(std::filesystem::path directory, JournalEnd end, std::uint64_t segment_bytes)
+Journal::Journal(std::filesystem::path directory, JournalPosition end, std::uint64_t segment_bytes)
     : JournalReader(std::move(directory)),
       segment_bytes_(segment_bytes),
       end_(end),

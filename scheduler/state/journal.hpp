@@ -14,19 +14,12 @@
 
 namespace palpate {
 
-/// Position of a record.
+/// Position of a record, or, with length 0, the end of the journal, where the next record begins.
 struct JournalPosition {
-  std::uint32_t segment = 0;  ///< number in segment-NNNNNN.dat, from 1
+  std::uint32_t segment = 1;  ///< number in segment-NNNNNN.dat, from 1
   std::uint64_t offset = 0;   ///< position of the record's first byte in the segment
   std::uint64_t length = 0;   ///< length of the whole record, bytes
   bool operator==(const JournalPosition&) const = default;
-};
-
-/// End of the journal: the next record begins here.
-struct JournalEnd {
-  std::uint32_t segment = 1;
-  std::uint64_t offset = 0;
-  bool operator==(const JournalEnd&) const = default;
 };
 
 struct JournalRecord {
@@ -68,7 +61,7 @@ struct JournalScan {
   /// reached the disk. They must be dropped before the next segment is started, because in older
   /// segments a scan checks only the headers.
   std::vector<JournalPosition> torn;
-  JournalEnd end;  ///< end of the last record
+  JournalPosition end;  ///< end of the last record
 };
 
 class SegmentFile;  // one segment, open for reading
@@ -125,7 +118,7 @@ class Journal : public JournalReader {
   /// Opens the journal for appending at `end` (JournalScan::end). Truncates the segment there,
   /// which removes only what a crash left after the last whole record. Syncs all segments, so that
   /// records and drop marks that a killed run left unsynced become durable.
-  Journal(std::filesystem::path directory, JournalEnd end,
+  Journal(std::filesystem::path directory, JournalPosition end,
           std::uint64_t segment_bytes = default_segment_bytes);
 
   /// Appends a record. The record may stay in memory until sync(). If the open segment is full,
@@ -134,7 +127,7 @@ class Journal : public JournalReader {
   /// Writes and syncs (fdatasync) everything that was appended: everything before end() then
   /// survives a crash. If this fails, cuts off the bytes appended since the last sync, and throws.
   void sync();
-  JournalEnd end() const { return end_; }
+  JournalPosition end() const { return end_; }
   /// Size of all segments up to end().
   std::uint64_t bytes() const { return closed_bytes_ + end_.offset; }
 
@@ -154,7 +147,7 @@ class Journal : public JournalReader {
   void writePending();
 
   std::uint64_t segment_bytes_;
-  JournalEnd end_;
+  JournalPosition end_;
   std::uint64_t closed_bytes_;          ///< total size of the segments before the open one
   std::uint64_t synced_;                ///< bytes of the open segment that survive a crash
   std::vector<std::uint32_t> present_;  ///< segments found at opening or created since

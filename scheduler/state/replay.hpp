@@ -21,7 +21,7 @@ using ResultIndex = std::unordered_map<ResultKey, JournalPosition, HashOfResultK
 /// The index of a build's journal, without the results themselves.
 struct RecordedResults {
   ResultIndex where;  ///< position of the first record of each key
-  JournalEnd end;
+  JournalPosition end;
   std::vector<JournalPosition> torn;  ///< see JournalScan::torn
   /// Messages about records that can no longer be read. Their results are computed again.
   std::vector<std::string> damage;

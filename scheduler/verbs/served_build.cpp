@@ -112,10 +112,6 @@ void tellWhyNotSealed(const Coordinator& coordinator, const std::string& state) 
 /// Limits both the load of idle turns and the delay until a signal of the terminal is handled.
 constexpr std::chrono::milliseconds longest_turn{50};
 
-std::vector<std::string> namesOfFamilies() {
-  return mapped(all_cpu_families, [](CpuFamily family) { return std::string(name(family)); });
-}
-
 /// Returns the name that results give to the family `kernels`, and logs the consequence for
 /// workers. Returns an empty string if the user chose no family.
 std::string chosenKernels(const std::string& kernels) {
@@ -336,7 +332,8 @@ void BuildOrder::addTo(CLI::App& app) {
                  "over [30 times the longest solve so far, at least 120]")
       ->check(CLI::Range(1U, 7U * 24 * 3600));
   app.add_option("--kernels", kernels, "Instruction set of all workers [that of the first result]")
-      ->check(CLI::IsMember(namesOfFamilies()));
+      ->check(CLI::IsMember(
+          mapped(all_cpu_families, [](CpuFamily family) { return std::string(name(family)); })));
 }
 
 ExitCode serveBuild(const BuildOrder& order, Serving serving) {

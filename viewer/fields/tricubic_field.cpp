@@ -62,7 +62,7 @@ class SlotDifferences {
       for (const std::int32_t slot : tree.corners(leaf))
         level_[at(slot)] = std::min(level_[at(slot)], tree.leaves()[at(leaf)].level);
     for (const std::int32_t slot : tree.hangingSlots())
-      level_[at(slot)] = tree.leaves()[at(tree.slots()[at(slot)].leaf)].level;
+      level_[at(slot)] = tree.leaves()[at(tree.slots()[at(slot)].place.leaf)].level;
     for (std::int32_t slot = 0; slot < std::ssize(level_); ++slot)
       for (int axis = 0; axis < 3; ++axis) stencils_.push_back(stencilOf(slot, axis));
   }
@@ -150,7 +150,7 @@ std::vector<Node> makeNodes(const CellData& data) {
               differences.derivative(nodes, column & ~(1 << axis), slot, axis);
     }
     for (const std::int32_t slot : tree.hangingSlots())
-      if (const CellSlot& hanging = tree.slots()[at(slot)]; differences.level(slot) == level)
+      if (const LeafPlace& hanging = tree.slots()[at(slot)].place; differences.level(slot) == level)
         nodes[at(slot)] =
             tricubicAt(tree.corners(hanging.leaf), nodes, hanging.local, tree.edge(hanging.leaf));
   }

@@ -252,10 +252,6 @@ class SurfaceRepair {
   /// Removes each flat triangle and cuts its neighbour, unless that neighbour is flat too or was
   /// already cut in this pass. Returns false if nothing could be cut.
   bool cutBesideOneEach() {
-    std::int32_t first = 0;
-    const auto last = static_cast<std::int32_t>(triangles_.size());
-    while (first < last && middleCorner(first) < 0) ++first;
-    if (first == last) return false;
     std::vector<bool> done(triangles_.size());
     std::vector<Triangle> more;
     forEachEdge(sidesOf(triangles_), [&](std::span<const Side> edge) {

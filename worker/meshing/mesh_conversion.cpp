@@ -1,6 +1,5 @@
 #include "worker/meshing/mesh_conversion.hpp"
 
-#include <map>
 #include <sstream>
 
 #include "common/base/error.hpp"
@@ -13,14 +12,6 @@ namespace {
 
 /// Exit codes of the script.
 constexpr int script_wrong_input = 2, script_missing_module = 3;
-
-/// Returns the Debian package of a Python module.
-std::string packageOf(const std::string& module) {
-  static const std::map<std::string, std::string> packages = {{"netCDF4", "python3-netcdf4"},
-                                                              {"h5py", "python3-h5py"}};
-  const auto found = packages.find(module);
-  return found != packages.end() ? found->second : "python3-" + module;
-}
 
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
@@ -46,8 +37,8 @@ Ran runScript(const std::vector<std::string>& arguments) {
   }
   if (missing.empty())
     throw failure("python3 is not installed here, or not in $PATH (Debian: python3-meshio)");
-  throw failure("{} cannot be read: Python's module {} is not installed here (Debian: {})",
-                arguments.at(0), missing, packageOf(missing));
+  throw failure("{} cannot be read: Python's module {} is not installed here (Debian: python3-{})",
+                arguments.at(0), missing, missing == "netCDF4" ? "netcdf4" : missing);
 }
 
 }  // namespace

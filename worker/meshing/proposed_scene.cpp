@@ -163,40 +163,54 @@ double rounded(double value) {
   return std::round(value / unit) * unit;
 }
 
-/// Writes the text of the scene for a given finger.
-class SceneText {
- public:
-  SceneText(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
-            const LengthUnit& unit, const std::string& doubt)
-      : mesh_(mesh), name_(name), mesh_file_(mesh_file), unit_(unit), doubt_(doubt) {}
+/// Returns the spaces between a number and the column in which comments begin.
+std::string pad(double number, std::size_t longer_key = 0) {
+  const std::size_t written =
+      std::string("radius = ").size() + longer_key + fmt::format("{:.4g}", number).size();
+  return std::string(written < 37 ? 37 - written : 1, ' ');
+}
 
-  /// `radius` of the finger and `depth` of the workspace, in the unit of the file.
-  std::string with(double radius, double depth, const FixedProposal& fixed) const {
-    const Eigen::Vector3d size = boundingBox(mesh_).sizes() / unit_.metres;
-    std::string text;
-    const auto out = std::back_inserter(text);
-    fmt::format_to(
-        out,
-        R"(# A scene for palpate, proposed from the mesh. Check the lines marked with <-. `palpate check` prints
+void describeParts(const Mesh& mesh, std::string& text) {
+  if (mesh.element_groups.size() < 2) return;
+  text +=
+      "# The mesh names parts of the body. Each may have its own material; [material] is then for "
+      "the rest.\n";
+  for (const auto& [group, elements] : mesh.element_groups)
+    text += fmt::format("# [[region]] group = \"{}\"  ({} of {} tetrahedra)\n", group,
+                        elements.size(), mesh.tetrahedra.size());
+}
+
+/// Returns the text of the scene. `radius` of the finger and `depth` of the workspace are in the
+/// unit of the file.
+std::string sceneText(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
+                      const GuessedUnit& guess, double radius, double depth,
+                      const FixedProposal& fixed) {
+  const LengthUnit& unit = guess.unit;
+  const Eigen::Vector3d size = boundingBox(mesh).sizes() / unit.metres;
+  std::string text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(
+      out,
+      R"(# A scene for palpate, proposed from the mesh. Check the lines marked with <-. `palpate check` prints
 # a summary of it and the cost of a build. docs/scene.md explains every key.
 name = "{}"
 mesh = "{}"
 length_unit = "{}"{}# of the mesh and of all lengths here: the body is {:.3g} x {:.3g} x {:.3g} {}{}
 )",
-        name_, mesh_file_, unit_.word, std::string(21 - unit_.word.size(), ' '), size[0], size[1],
-        size[2], unit_.word,
-        doubt_.empty()
-            ? ""
-            : fmt::format("\n#                                    <- check this: {}", doubt_));
-    fmt::format_to(out, R"(
+      name, mesh_file, unit.word, std::string(21 - unit.word.size(), ' '), size[0], size[1],
+      size[2], unit.word,
+      guess.doubt.empty()
+          ? ""
+          : fmt::format("\n#                                    <- check this: {}", guess.doubt));
+  fmt::format_to(out, R"(
 [material]                           # <- soft tissue: a liver after Peterlik et al., Computers & Graphics 34 (2010)
 law = "mooney-rivlin"
 c10 = {:.1f}                         # Pa; Young's modulus at small strains is 6 (c10 + c01), {:.0f} kPa
 c01 = {:.1f}                         # Pa
 )",
-                   c10, tissue_young / 1000, c01);
-    describeParts(text);
-    fmt::format_to(out, R"(
+                 c10, tissue_young / 1000, c01);
+  describeParts(mesh, text);
+  fmt::format_to(out, R"(
 [fixed]                              # <- the nodes that hold the body: {}
 {}
 
@@ -210,9 +224,9 @@ radius = {:.4g}{}# {}: radius of the contact area of the finger; at least one ed
 radius = {:.4g}{}# {}: largest displacement; thick parts reach the largest force of the device earlier
 spacing = {:.4g}{}# {}: spacing of the coarsest lattice of displacements
 )",
-                   fixed.why, fixed.toml, radius, pad(radius), unit_.word, depth, pad(depth),
-                   unit_.word, depth / 2, pad(depth / 2, 1), unit_.word);
-    fmt::format_to(out, R"(
+                 fixed.why, fixed.toml, radius, pad(radius), unit.word, depth, pad(depth),
+                 unit.word, depth / 2, pad(depth / 2, 1), unit.word);
+  fmt::format_to(out, R"(
 [accuracy]
 force_error = 0.05                   # relative error above which the lattice is refined; a hand feels differences of 7 %
 force_floor = 0.01                   # N: a smaller error is always allowed
@@ -225,41 +239,17 @@ profile = "{}"                    # <- the haptic device; solving does not go on
 [storage]
 precision = "int16"                  # displacements, which only the display uses, take half the space
 )",
-                   proposed_device.name, proposed_device.max_force);
-    return text;
-  }
-
- private:
-  /// Returns the spaces between a number and the column in which comments begin.
-  static std::string pad(double number, std::size_t longer_key = 0) {
-    const std::size_t written =
-        std::string("radius = ").size() + longer_key + fmt::format("{:.4g}", number).size();
-    return std::string(written < 37 ? 37 - written : 1, ' ');
-  }
-
-  void describeParts(std::string& text) const {
-    if (mesh_.element_groups.size() < 2) return;
-    text +=
-        "# The mesh names parts of the body. Each may have its own material; [material] is then for "
-        "the rest.\n";
-    for (const auto& [group, elements] : mesh_.element_groups)
-      text += fmt::format("# [[region]] group = \"{}\"  ({} of {} tetrahedra)\n", group,
-                          elements.size(), mesh_.tetrahedra.size());
-  }
-
-  const Mesh& mesh_;
-  const std::string &name_, &mesh_file_;
-  const LengthUnit& unit_;
-  const std::string& doubt_;
-};
+                 proposed_device.name, proposed_device.max_force);
+  return text;
+}
 
 }  // namespace
 
 ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
-                            const LengthUnit& unit, const std::string& doubt) {
+                            const GuessedUnit& guess) {
+  const LengthUnit& unit = guess.unit;
   const SurfaceMeasure measured = measuredSurface(mesh);
   const FixedProposal fixed = proposedFixed(mesh);
-  const SceneText text(mesh, name, mesh_file, unit, doubt);
   const double wanted =
       std::max(wanted_edges * measured.mean_edge, std::sqrt(measured.area / area_per_finger));
   const std::size_t unavoidable = warningsOfMesh(mesh);
@@ -275,7 +265,7 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
         rounded(std::min(deepest * radius_m,
                          force_depth * proposed_device.max_force / (tissue_young * radius_m)) /
                 unit.metres);
-    ProposedScene scene{text.with(radius, depth, fixed), {}};
+    ProposedScene scene{sceneText(mesh, name, mesh_file, guess, radius, depth, fixed), {}};
     scene.choices = {fmt::format("fixed      {}", fixed.why),
                      fmt::format("finger     radius {:.4g} {}: {:.2g} edges of the surface", radius,
                                  unit.word, radius_m / measured.mean_edge),

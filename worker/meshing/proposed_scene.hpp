@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/base/units.hpp"
 #include "common/mesh/mesh.hpp"
+#include "worker/meshing/guessed_unit.hpp"
 
 namespace palpate {
 
@@ -25,10 +25,10 @@ struct ProposedScene {
 /// are tried: the proposal is the first that causes no avoidable warning, or else the one with the
 /// fewest warnings. The workspace is as deep as the force of the device pushes into soft tissue.
 ///
-/// `mesh_file` is the name of the mesh, which lies next to the scene. `doubt` is
-/// GuessedUnit::doubt. Error (bad input), as from resolve(), if the mesh allows no scene.
+/// `mesh_file` is the name of the mesh, which lies next to the scene. Error (bad input), as from
+/// resolve(), if the mesh allows no scene.
 ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
-                            const LengthUnit& unit, const std::string& doubt);
+                            const GuessedUnit& unit);
 
 /// Checks the file name of a mesh, because a scene quotes it. Error (bad input), which names
 /// `option`, if the name contains a quote, a backslash or a control character.

@@ -199,17 +199,11 @@ class Filling {
   std::filesystem::path folder_;
 };
 
-double volumeOf(const Mesh& mesh) {
-  double volume = 0;
-  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) volume += sixVolume(mesh, e) / 6;
-  return volume;
-}
-
 /// Reads the mesh that a program has made. Error if it is unreadable or its volume is wrong.
 Tetrahedra accepted(std::string msh, const ClosedSurface& surface) {
   Tetrahedra made{std::move(msh), {}};
   made.mesh = parseGmsh(made.msh, "its output");
-  const double change = volumeOf(made.mesh) / surface.volume - 1;
+  const double change = measure(made.mesh).volume / surface.volume - 1;
   if (std::abs(change) > lost_volume)
     throw failure("its tetrahedra have {:.3g} times the volume of the surface", 1 + change);
   if (std::abs(change) > told_volume)
@@ -253,7 +247,7 @@ Tetrahedra nearest(const ClosedSurface& surface, const Fineness& fineness, Fill 
     }
     const auto nodes = static_cast<double>(made.mesh.nodes.size());
     const double off = std::abs(std::log(nodes / fineness.nodes)),
-                 change = std::abs(volumeOf(made.mesh) / surface.volume - 1);
+                 change = std::abs(measure(made.mesh).volume / surface.volume - 1);
     spdlog::info("{} nodes with edges of {:.3g}", made.mesh.nodes.size(), size);
     // Fine details of the surface need many nodes, whatever the edge length. If a coarser mesh
     // loses volume of the body, the finer mesh is kept.

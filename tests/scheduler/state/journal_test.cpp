@@ -85,7 +85,7 @@ TEST_F(JournalTest, IsReadCompletelyFromItsFilesAlone) {
   const test::ScannedJournal found = scan();
   EXPECT_THAT(headers(), ElementsAre("a", "b", "c", "d", "e"));
   EXPECT_EQ(found.records.back().where, last);
-  EXPECT_EQ(found.end, (JournalEnd{last.segment, last.offset + last.length}));
+  EXPECT_EQ(found.end, (JournalPosition{last.segment, last.offset + last.length}));
   EXPECT_TRUE(found.gaps.empty());
   Journal again = open(100);
   EXPECT_EQ(again.append("f", "").segment, 3u) << "the last segment has room";

@@ -21,7 +21,7 @@ const LengthUnit& unit(const std::string& word) {
 }
 
 Scene sceneOf(const Mesh& mesh, const std::string& word = "m") {
-  return parseScene(proposedScene(mesh, "organ", "organ.msh", unit(word), "").toml, "scene.toml");
+  return parseScene(proposedScene(mesh, "organ", "organ.msh", {unit(word)}).toml, "scene.toml");
 }
 
 TEST(GuessedUnit, FollowsTheSizeOfTheBodyAndNamesAlternatives) {
@@ -51,7 +51,7 @@ TEST(GuessedUnit, RefusesUnknownUnits) {
 TEST(ProposedScene, FixesAGroupOnlyIfItsNameAndShapeAllow) {
   Mesh mesh = test::boxMesh({0.1, 0.06, 0.04}, {8, 5, 4});
   const auto fixed = [&] {
-    return proposedScene(mesh, "organ", "organ.msh", unit("m"), "").choices.front();
+    return proposedScene(mesh, "organ", "organ.msh", {unit("m")}).choices.front();
   };
   const NodeSet side = mesh.node_groups.at("xmin");
   mesh.node_groups.clear();
@@ -74,7 +74,7 @@ TEST(ProposedScene, HasNoWarningsForBodiesOfManyShapesAndSizes) {
         std::pair("blob", test::blobMesh(6)), std::pair("pea", test::cubeMesh(0.012, 5)),
         std::pair("torso", test::boxMesh({0.6, 0.3, 0.2}, {12, 6, 4}))}) {
     SCOPED_TRACE(name);
-    const ProposedScene proposed = proposedScene(mesh, "organ", "organ.msh", unit("m"), "");
+    const ProposedScene proposed = proposedScene(mesh, "organ", "organ.msh", {unit("m")});
     EXPECT_THAT(proposed.warnings, IsEmpty());
     const Problem problem = resolve(parseScene(proposed.toml, "scene.toml"), mesh);
     EXPECT_THAT(warningsOf(problem), IsEmpty());
@@ -122,7 +122,7 @@ TEST(ProposedScene, ReportsUncertaintiesAndComponents) {
   Mesh mesh = test::blobMesh(6);
   mesh.element_groups = {{"liver", {0, 1, 2}}, {"tumour", {3}}};
   const std::string toml =
-      proposedScene(mesh, "organ", "organ.msh", unit("cm"), "20 cm wide, and more").toml;
+      proposedScene(mesh, "organ", "organ.msh", {unit("cm"), "20 cm wide, and more"}).toml;
   EXPECT_THAT(toml, HasSubstr("<- check this: 20 cm wide, and more"));
   EXPECT_THAT(toml, HasSubstr("[[region]] group = \"tumour\"  (1 of"));
 }
