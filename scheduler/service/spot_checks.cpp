@@ -154,14 +154,10 @@ Crowd SpotChecks::giversAmong(const ResultKey& key, const Crowd& crowd) const {
   return givers;
 }
 
-bool SpotChecks::hasOtherMachine(const ResultKey& key, const Crowd& crowd) const {
-  return giversAmong(key, crowd).machines.size() < crowd.machines.size();
-}
-
 Apart SpotChecks::wanted(const ResultKey& key, const Crowd& at_work, const Crowd& may_come) const {
   if (giversAmong(key, at_work).keys.size() < at_work.keys.size()) return Apart::other_key;
-  return isDisputed(key) && !hasOtherMachine(key, may_come) ? Apart::same_machine
-                                                            : Apart::other_machine;
+  const bool all_asked = giversAmong(key, may_come).machines.size() == may_come.machines.size();
+  return isDisputed(key) && all_asked ? Apart::same_machine : Apart::other_machine;
 }
 
 bool SpotChecks::contradicts(const ResultKey& key, const Opinion& opinion) const {

@@ -98,8 +98,6 @@ class SpotChecks {
   /// Returns how independent `worker` is of all workers that gave an opinion; same_process if it
   /// gave one itself.
   Apart apart(const ResultKey& key, const wire::Provenance& worker) const;
-  /// True if a machine of the crowd has given no opinion yet.
-  bool hasOtherMachine(const ResultKey& key, const Crowd& crowd) const;
   /// Returns how independent the next worker must be. It must have another key if `at_work` has a
   /// key without an opinion, else be on another machine. To settle a dispute, another process is
   /// enough if every machine in `may_come` has given an opinion.

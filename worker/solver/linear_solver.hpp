@@ -19,6 +19,22 @@ struct SparsityPattern {
   /// Returns the index (0-based) of the entry in row min(a, b) and column max(a, b), both 0-based.
   /// The entry must exist.
   std::int32_t entryOf(std::int32_t a, std::int32_t b) const;
+
+  /// Returns the product of the symmetric matrix that has these values with several columns. The
+  /// values are read once, and the products of each entry form one vector.
+  template <int columns>
+  Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor> times(
+      const std::vector<double>& values,
+      const Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor>& x) const {
+    auto product = x;
+    product.setZero();
+    for (std::size_t entry = 0; entry < values.size(); ++entry) {
+      const std::int32_t a = row[entry] - 1, b = column[entry] - 1;
+      product.row(a) += values[entry] * x.row(b);
+      if (a != b) product.row(b) += values[entry] * x.row(a);
+    }
+    return product;
+  }
 };
 
 /// Builds a pattern from the columns of the entries in each row, 0-based. Each row must contain its

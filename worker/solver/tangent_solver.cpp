@@ -82,21 +82,13 @@ bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
 
 Eigen::MatrixXd TangentSolver::multiply(const Tangent& tangent, const Eigen::MatrixXd& x) const {
   const SparsityPattern& pattern = system_.pattern();
-  // Four columns are multiplied at a time, so that the values are read once and the products of
-  // each entry form one vector.
   using FourColumns = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
   Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.rows(), x.cols());
   for (Eigen::Index first = 0; first < x.cols(); first += 4) {
     const Eigen::Index count = std::min<Eigen::Index>(4, x.cols() - first);
-    FourColumns in = FourColumns::Zero(pattern.n, 4), out = in;
+    FourColumns in = FourColumns::Zero(pattern.n, 4);
     in.leftCols(count) = x.block(0, first, pattern.n, count);
-    for (std::size_t entry = 0; entry < tangent.values.size(); ++entry) {
-      const std::int32_t row = pattern.row[entry] - 1, column = pattern.column[entry] - 1;
-      const double value = tangent.values[entry];
-      out.row(row) += value * in.row(column);
-      if (row != column) out.row(column) += value * in.row(row);
-    }
-    y.block(0, first, pattern.n, count) = out.leftCols(count);
+    y.block(0, first, pattern.n, count) = pattern.times(tangent.values, in).leftCols(count);
   }
   if (tangent.border.cols() > 0) {
     const Eigen::Index n = pattern.n;

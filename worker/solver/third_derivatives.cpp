@@ -16,17 +16,6 @@ constexpr double difference = 1e-4;
 using Pairs = Eigen::Matrix<double, 6, 6>;
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
-Pairs pairsOf(const SparsityPattern& pattern, const std::vector<double>& values,
-              const SixColumns& x) {
-  SixColumns product = SixColumns::Zero(x.rows(), 6);
-  for (std::size_t entry = 0; entry < values.size(); ++entry) {
-    const std::int32_t row = pattern.row[entry] - 1, column = pattern.column[entry] - 1;
-    product.row(row) += values[entry] * x.row(column);
-    if (row != column) product.row(column) += values[entry] * x.row(row);
-  }
-  return x.transpose() * product;
-}
-
 /// Returns d3 Pi [x_a, x_b, x_c] for all b and c, where a is the column `along`.
 Pairs elementPart(const System& system, const State& state, const Eigen::MatrixXd& sensitivity,
                   const SixColumns& x, Eigen::Index along, double min_det_F) {
@@ -40,7 +29,7 @@ Pairs elementPart(const System& system, const State& state, const Eigen::MatrixX
                   down);
   for (std::size_t entry = 0; entry < up.values.size(); ++entry)
     up.values[entry] = (up.values[entry] - down.values[entry]) / (2 * step);
-  return pairsOf(system.pattern(), up.values, x);
+  return x.transpose() * system.pattern().times(up.values, x);
 }
 
 /// The derivatives of B with respect to s, applied to nodal displacements u. Each is one vector.
