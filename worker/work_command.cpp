@@ -131,26 +131,10 @@ struct Child {
   Clock::time_point started;
 };
 
-/// Starts `palpate-worker work ... --alone`, which ends when this process ends.
-pid_t startWorker(const WorkOptions& options, const std::string& id,
-                  const std::vector<std::string>& ended) {
-  std::vector<std::string> words = {"palpate-worker",
-                                    "work",
-                                    "--alone",
-                                    "--connect",
-                                    options.session.endpoint,
-                                    "--give-up",
-                                    std::to_string(options.session.give_up_s),
-                                    "--drain",
-                                    std::to_string(options.session.drain_s),
-                                    "--leave-idle",
-                                    std::to_string(options.session.leave_idle_s),
-                                    "--id",
-                                    hexOf(id)};
-  if (options.keys.insecure) words.emplace_back("--insecure");
-  if (spdlog::get_level() != spdlog::level::info)
-    words.emplace_back(spdlog::get_level() > spdlog::level::info ? "--quiet" : "--verbose");
-  if (!options.keys.folder.empty()) words.insert(words.end(), {"--keys", options.keys.folder});
+/// Starts a worker with the options of this process. It ends when this process ends.
+pid_t startWorker(const std::string& id, const std::vector<std::string>& ended) {
+  std::vector<std::string> words = commandLine();
+  words.insert(words.end(), {"--alone", "--id", hexOf(id)});
   for (const std::string& other : ended) words.insert(words.end(), {"--ended", hexOf(other)});
   // If this process dies, the child gets SIGTERM and not SIGKILL, so that it delivers the work in
   // progress. This file may be replaced while the supervisor runs; its workers stay the same
@@ -188,7 +172,7 @@ class Supervisor {
 
   void start() {
     Child child{randomWorkerId(), Clock::now()};
-    const pid_t pid = startWorker(*options_, child.id, ended_);
+    const pid_t pid = startWorker(child.id, ended_);
     ended_.clear();
     children_.emplace(pid, std::move(child));
   }

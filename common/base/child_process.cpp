@@ -6,6 +6,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/whole_file.hpp"
 
 namespace palpate {
 namespace {
@@ -43,6 +44,14 @@ pid_t startChild(std::vector<std::string> words, const ChildSettings& settings) 
   // Linux allows async-signal-safe calls here. NOLINTNEXTLINE(clang-analyzer-unix.Vfork)
   if (child == 0) become(parent, arguments.data(), settings);
   return child;
+}
+
+std::vector<std::string> commandLine() {
+  const std::string line = readText("/proc/self/cmdline", "command line");
+  std::vector<std::string> words;
+  for (std::size_t at = 0; at < line.size(); at += words.back().size() + 1)
+    words.emplace_back(line.data() + at);
+  return words;
 }
 
 int waitFor(pid_t child) {

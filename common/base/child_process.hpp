@@ -25,6 +25,9 @@ struct ChildSettings {
 /// for the child (waitpid).
 pid_t startChild(std::vector<std::string> words, const ChildSettings& settings = {});
 
+/// Returns the words of the command line by which this program was started.
+std::vector<std::string> commandLine();
+
 /// Waits until the child ends. Returns its status in the form of waitpid.
 int waitFor(pid_t child);
 

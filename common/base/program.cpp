@@ -104,9 +104,11 @@ int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
   return static_cast<int>(ExitCode::usage);
 }
 
-/// Replaces arguments such as "-.5" by "-0.5". CLI11 would read "-.5" as an option.
-std::vector<std::string> withLeadingZeros(int argc, char** argv) {
-  std::vector<std::string> arguments(argv, argv + argc);
+/// Returns the arguments, the last one first, as CLI11 takes them. Replaces arguments such as "-.5"
+/// by "-0.5", because CLI11 would read "-.5" as an option.
+std::vector<std::string> argumentsForParser(int argc, char** argv) {
+  std::vector<std::string> arguments(std::reverse_iterator(argv + argc),
+                                     std::reverse_iterator(argv + 1));
   for (std::string& argument : arguments)
     if (argument.size() > 2 && argument.starts_with("-.") &&
         std::isdigit(static_cast<unsigned char>(argument[2])))
@@ -174,10 +176,7 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     });
   }
   try {
-    std::vector<std::string> arguments = withLeadingZeros(argc, argv);
-    std::vector<char*> pointers;
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    app.parse(argc, pointers.data());
+    app.parse(argumentsForParser(argc, argv));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) return refuseUsage(app, error);
     app.exit(error);  // prints the text of --help or --version

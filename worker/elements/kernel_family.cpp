@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "common/base/assertion.hpp"
+#include "common/base/child_process.hpp"
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
-#include "common/base/whole_file.hpp"
 #include "worker/elements/blas_kernels.hpp"
 
 namespace palpate {
@@ -73,10 +73,9 @@ void beginAnewWith(const std::string& arithmetic) {
   if (setenv(family_variable, arithmetic.substr(0, slash).c_str(), 1) != 0)
     throw failure("{}: {}", family_variable, errnoText());
   chooseBlasKernelsOfNext(arithmetic.substr(slash + 1));
-  std::string line = readText("/proc/self/cmdline", "command line");
+  std::vector<std::string> words = commandLine();
   std::vector<char*> arguments;
-  for (std::size_t at = 0; at < line.size(); at = line.find('\0', at) + 1)
-    arguments.push_back(line.data() + at);
+  for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   execv("/proc/self/exe", arguments.data());
   throw failure("cannot restart this program: {}", errnoText());
