@@ -15,7 +15,7 @@ std::string nameOf(const wire::Provenance& worker) {
 Event eventOf(EventWord word, const Worker& worker) {
   return Event(word)
       .with("worker", shortIdOf(worker.id))
-      .with("host", worker.host)
+      .with("host", worker.provenance.host())
       .with("pid", worker.pid);
 }
 
@@ -39,23 +39,24 @@ std::optional<std::int64_t> LineBudget::spend(Time now) {
 
 void Chronicle::joined(const Worker& worker) {
   if (!mayTell()) return;
-  spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host,
+  spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.provenance.host(),
                worker.kernel_family);
   Event event = eventOf("worker_joined", worker).with("kernel_family", worker.kernel_family);
-  if (worker.key) event.with("key", worker.key->shortHex());
+  if (const auto key = PublicKey::fromBytes(worker.provenance.key()))
+    event.with("key", key->shortHex());
   add(event);
 }
 
 void Chronicle::left(const Worker& worker, const std::string& reason) {
   if (!mayTell()) return;
-  spdlog::info("worker {} on {} left: {}", worker.pid, worker.host, reason);
+  spdlog::info("worker {} on {} left: {}", worker.pid, worker.provenance.host(), reason);
   add(eventOf("worker_left", worker).with("reason", reason).with("results", worker.results));
 }
 
 void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets) {
   if (!mayTell()) return;
-  spdlog::warn("worker {} on {} is {}; other workers get its {} solves", worker.pid, worker.host,
-               how, targets);
+  spdlog::warn("worker {} on {} is {}; other workers get its {} solves", worker.pid,
+               worker.provenance.host(), how, targets);
   add(eventOf("worker_lost", worker)
           .with("how", how)
           .with("targets", targets)
@@ -65,7 +66,7 @@ void Chronicle::lost(const Worker& worker, const char* how, std::size_t targets)
 void Chronicle::ended(const Worker& worker, std::size_t targets) {
   if (!mayTell()) return;
   spdlog::warn("worker {} on {} ended unexpectedly; other workers get its {} solves", worker.pid,
-               worker.host, targets);
+               worker.provenance.host(), targets);
   add(eventOf("worker_ended", worker).with("targets", targets).with("results", worker.results));
 }
 

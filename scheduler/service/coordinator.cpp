@@ -87,7 +87,7 @@ void Coordinator::refuse(const Incoming& incoming, Time now) {
   state_.send(incoming.peer).mutable_refused()->set_reason(incoming.refusal);
   workers_.badMessage(incoming.peer, incoming.refusal);
   if (const Worker* worker = workers_.registry.ofPeer(incoming.peer)) {
-    state_.chronicle.refused(worker->host, worker->pid, incoming.refusal);
+    state_.chronicle.refused(worker->provenance.host(), worker->pid, incoming.refusal);
     workers_.lose(*worker);
   }
 }

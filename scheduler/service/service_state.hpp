@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "common/base/assertion.hpp"
 #include "scheduler/service/allotment.hpp"
 #include "scheduler/service/chronicle.hpp"
 #include "scheduler/service/spot_checks.hpp"
@@ -92,10 +93,20 @@ struct ServiceState {
   bool everybodyIsToLeave() const { return stopping || dismissed; }
 
   wire::Message& send(const std::string& peer,
-                      std::shared_ptr<const std::string> payload = nullptr);
+                      std::shared_ptr<const std::string> payload = nullptr) {
+    outbox.push_back({peer, {}, std::move(payload)});
+    return outbox.back().message;
+  }
   /// Sends and returns an acknowledgement. It says that the result is recorded, unless the caller
   /// sets `unwanted` in it.
-  wire::ResultAck& acknowledge(const std::string& peer, const wire::Result& result);
+  wire::ResultAck& acknowledge(const std::string& peer, const wire::Result& result) {
+    PALPATE_ASSERT(!turns_since_retry, "plans with dropped results must not take new results");
+    wire::ResultAck& ack = *send(peer).mutable_result_ack();
+    ack.set_space(result.space());
+    *ack.mutable_target() = result.target();
+    *ack.mutable_parent() = result.parent();
+    return ack;
+  }
   /// Tells a worker to leave.
   void drain(const std::string& peer) { send(peer).mutable_drain()->set_finished(complete); }
 };

@@ -17,7 +17,7 @@ constexpr std::size_t longest_family = 64;
 wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time now) {
   wire::WorkerStatus row;
   row.set_worker(hexOf(worker.id));
-  row.set_host(worker.host);
+  row.set_host(worker.provenance.host());
   row.set_pid(worker.pid);
   row.set_kernel_family(worker.kernel_family);
   row.set_state(state);
@@ -26,11 +26,10 @@ wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time n
   return row;
 }
 
-wire::Provenance provenanceOf(const std::string& id, const std::string& host,
-                              const std::optional<PublicKey>& key) {
+wire::Provenance provenanceOf(const wire::Hello& hello, const std::optional<PublicKey>& key) {
   wire::Provenance who;
-  who.set_worker(id);
-  who.set_host(host);
+  who.set_worker(hello.worker());
+  who.set_host(printable(hello.host()));
   if (key) who.set_key(key->bytes().data(), key->bytes().size());
   return who;
 }
@@ -79,7 +78,7 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
   if (workers_.size() >= most_workers && !workers_.contains(hello.worker()))
     return fmt::format("{} workers are connected already, the maximum for a scheduler",
                        most_workers);
-  const wire::Provenance who = provenanceOf(hello.worker(), printable(hello.host()), key);
+  const wire::Provenance who = provenanceOf(hello, key);
   for (const KeptOut& liar : kept_out_)
     if (liar.covers(who))
       return fmt::format(
@@ -113,9 +112,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
   Worker fresh;
   fresh.id = hello.worker();
   fresh.peer = peer;
-  fresh.host = printable(hello.host());
-  fresh.provenance = provenanceOf(fresh.id, fresh.host, key);
-  fresh.key = key;
+  fresh.provenance = provenanceOf(hello, key);
   fresh.pid = hello.pid();
   fresh.kernel_family = hello.kernel_family();
   fresh.heard = fresh.moved = now;

@@ -14,11 +14,9 @@ namespace palpate {
 struct Worker {
   using Time = std::chrono::steady_clock::time_point;
 
-  std::string id;                ///< from its Hello, 1 to 64 bytes; kept over reconnections
-  std::string peer;              ///< address for messages to it
-  wire::Provenance provenance;   ///< as recorded in its results
-  std::optional<PublicKey> key;  ///< key with which it said Hello
-  std::string host;              ///< made printable for users
+  std::string id;               ///< from its Hello, 1 to 64 bytes; kept over reconnections
+  std::string peer;             ///< address for messages to it
+  wire::Provenance provenance;  ///< as recorded in its results; the host is printable
   std::uint32_t pid = 0;
   std::string kernel_family;
   /// number of jobs that it can accept now; only WorkerRegistry::addCredit() raises it

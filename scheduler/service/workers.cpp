@@ -53,9 +53,8 @@ bool Workers::hello(const Incoming& incoming) {
     return false;
   }
   for (int n = 0; n < std::min(hello.ended_size(), most_ended); ++n) processEnded(hello.ended(n));
-  if (const Worker* before = registry.ofPeer(peer); before && before->id != hello.worker()) {
+  if (const Worker* before = registry.ofPeer(peer); before && before->id != hello.worker())
     remove(*before, "left");
-  }
   // A worker that says hello again has forgotten its leases: hand them out again.
   leases.giveBack(hello.worker());
   // The worker is alive, so the leases that it had when it was lost did not kill it.
@@ -165,7 +164,7 @@ void Workers::reassignOverdue() {
 void Workers::reassignLast(Worker& worker) {
   if (!worker.overdue_until)
     state_.chronicle.info("worker {} on {} is overdue; its last solve goes to another worker",
-                          worker.pid, worker.host);
+                          worker.pid, worker.provenance.host());
   ++state_.counters["overdue_targets"];
   leases.giveBackLast(worker.id);
   allotment.noteOverdue(worker, state_.now);
@@ -193,7 +192,7 @@ void Workers::reclaimFromIdle() {
     state_.chronicle.warn(
         "worker {} on {} has leases, but its heartbeats report no solve; other workers get its "
         "targets",
-        worker.pid, worker.host);
+        worker.pid, worker.provenance.host());
     registry.addCredit(worker, leases.jobsOf(id).size());
     worker.idle_since.reset();
     leases.giveBack(id);
@@ -296,7 +295,8 @@ void Workers::retryAside() {
 void Workers::badMessage(const std::string& peer, const std::string& why) {
   if (++state_.counters["bad_messages"] > bad_messages_logged) return;
   if (const Worker* worker = registry.ofPeer(peer))
-    spdlog::warn("a message from worker {} on {} was dropped: {}", worker->pid, worker->host, why);
+    spdlog::warn("a message from worker {} on {} was dropped: {}", worker->pid,
+                 worker->provenance.host(), why);
   else
     spdlog::warn("a message from an unknown peer was dropped: {}", why);
 }

@@ -5,8 +5,6 @@
 #include <httplib.h>
 #include <pthread.h>
 #include <signal.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -18,6 +16,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/machine.hpp"
 #include "common/base/number_in.hpp"
 
 #undef _res  // a macro of <resolv.h>; Eigen, in other files of this unity build, uses the name
@@ -25,17 +24,14 @@
 namespace palpate {
 namespace {
 
-/// If there is only one core, this priority lets the scheduler run first.
-constexpr int niceness = 10;
-
-/// Starts a thread with all signals blocked, since the main thread handles them.
+/// Starts a thread that lets the scheduler run first if there is only one core. All its signals are
+/// blocked, since the main thread handles them.
 std::thread quietThread(std::function<void()> run) {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   std::thread thread([run = std::move(run)] {
-    // On Linux, setpriority affects only this thread. If it fails, that does not matter.
-    static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness));
+    giveWay();
     run();
   });
   pthread_sigmask(SIG_SETMASK, &before, nullptr);

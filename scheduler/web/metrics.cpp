@@ -94,9 +94,7 @@ std::string metric(std::string_view name, const char* type, std::string_view hel
   return text;
 }
 
-std::string metric(std::string_view name, const char* type, std::string_view help, double value) {
-  return metric(name, type, help, Series{{Labels{}, value}});
-}
+Series single(double value) { return {{Labels{}, value}}; }
 
 Series pointsOf(const wire::Status& status) {
   Series points;
@@ -154,13 +152,13 @@ std::string metricsOf(const wire::Status& status, double age) {
       metric("palpate_failed_points", "gauge", "Points that failed, by cause.",
              byCause(status.failed_points())) +
       metric("palpate_results_total", "counter", "Results recorded by this run of the scheduler.",
-             status.recorded());
+             single(status.recorded()));
   for (const auto& [name, help, value] : gaugesOf(status, age))
-    if (value) text += metric(name, "gauge", help, *value);
+    if (value) text += metric(name, "gauge", help, single(*value));
   for (const auto& [counter, help] : counter_help) {
     const auto found = status.counters().find(counter);
     text += metric(fmt::format("palpate_{}_total", counter), "counter", help,
-                   found == status.counters().end() ? 0 : found->second);
+                   single(found == status.counters().end() ? 0 : found->second));
   }
   return text;
 }

@@ -389,16 +389,13 @@ class SurfaceRepair {
   /// from the first triangle of each shell and proceeds from neighbour to neighbour.
   void turnAlike() {
     const std::vector<Side> sides = sidesOf(triangles_);
-    std::vector<std::array<std::int32_t, 3>> neighbours(triangles_.size(), {-1, -1, -1});
-    std::vector<std::array<bool, 3>> alike(triangles_.size());
-    std::vector<std::uint8_t> count(triangles_.size());
+    // The neighbours of each triangle, and whether they face the same way.
+    std::vector<std::vector<std::pair<std::int32_t, bool>>> neighbours(triangles_.size());
     forEachEdge(sides, [&](std::span<const Side> edge) {
       PALPATE_ASSERT(edge.size() == 2, "each edge must join two triangles");
-      for (const auto& [one, other] : {std::pair(0, 1), std::pair(1, 0)}) {
-        const std::int32_t t = edge[one].triangle;
-        neighbours[t][count[t]] = edge[other].triangle;
-        alike[t][count[t]++] = edge[0].upward != edge[1].upward;
-      }
+      for (const int one : {0, 1})
+        neighbours[edge[one].triangle].emplace_back(edge[1 - one].triangle,
+                                                    edge[0].upward != edge[1].upward);
     });
     std::vector<std::int8_t> turned(triangles_.size(), -1);
     std::int64_t total = 0;
@@ -410,9 +407,8 @@ class SurfaceRepair {
         const std::int32_t t = open.back();
         open.pop_back();
         in_shell += turned[t];
-        for (int i = 0; i < 3; ++i) {
-          const std::int32_t next = neighbours[t][i];
-          const std::int8_t wanted = alike[t][i] ? turned[t] : 1 - turned[t];
+        for (const auto& [next, is_alike] : neighbours[t]) {
+          const std::int8_t wanted = is_alike ? turned[t] : 1 - turned[t];
           if (turned[next] < 0) {
             turned[next] = wanted;
             open.push_back(next);

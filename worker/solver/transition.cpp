@@ -79,6 +79,13 @@ TransitionOptions optionsFor(const Problem& problem, TransitionOptions options) 
   return options;
 }
 
+/// Loosens the tolerances for a state that is not stored.
+NewtonOptions loosened(NewtonOptions options) {
+  options.absolute_tolerance = 1e-6;
+  options.relative_tolerance = 1e-5;
+  return options;
+}
+
 }  // namespace
 
 /// One step of a transition: the accepted configuration, or why there is none.
@@ -380,12 +387,8 @@ Cause TransitionSolver::accept(NewtonResult& newton, Use use, Step& step) {
 TransitionSolver::Step TransitionSolver::step(const Start& from,
                                               const Eigen::Vector3d& displacement, bool last,
                                               int factorizations) {
-  NewtonOptions options = options_.newton;
+  NewtonOptions options = last ? options_.newton : loosened(options_.newton);
   options.max_factorizations = std::min(options.max_factorizations, factorizations);
-  if (!last) {
-    options.absolute_tolerance = options_.loose_absolute_tolerance;
-    options.relative_tolerance = options_.loose_relative_tolerance;
-  }
   return solveFrom(approach(from, displacement), displacement, last ? Use::stored : Use::passed,
                    options);
 }
@@ -548,9 +551,7 @@ Reached TransitionSolver::follow(const Start& start, const Finger& finger,
         last ? target : Eigen::Vector3d(start.state.displacement + next * way);
     const Eigen::VectorXd predictor = from->sensitivity * (p - from->state.displacement) +
                                       from->sensitivity_by_place * (moved.center - from->place);
-    NewtonOptions options = options_.newton;
-    options.absolute_tolerance = options_.loose_absolute_tolerance;
-    options.relative_tolerance = options_.loose_relative_tolerance;
+    NewtonOptions options = loosened(options_.newton);
     options.begin_with_old_factors = solver_.useFactorsWith(system_.border());
     Step tried = solveFrom(system_.moved(from->state, predictor, 1, p), p, Use::felt, options);
     cost += tried.cost;

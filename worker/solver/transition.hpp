@@ -13,9 +13,6 @@ namespace palpate {
 
 struct TransitionOptions {
   NewtonOptions newton = {};
-  /// Tolerances of intermediate steps, in place of those in `newton`. Intermediate steps are not
-  /// stored.
-  double loose_absolute_tolerance = 1e-6, loose_relative_tolerance = 1e-5;
   double smallest_step = 1.0 / 16;  ///< fraction of the transition
   /// A lattice transition that converges takes one or two factorisations. One that fails may cost
   /// about five times as many.

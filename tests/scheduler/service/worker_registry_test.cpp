@@ -55,7 +55,8 @@ TEST_F(WorkerRegistryTest, AWorkerOfAnotherVersionOrCommitMayNotJoin) {
 TEST_F(WorkerRegistryTest, AWorkersNameCannotMoveTheCursor) {
   wire::Hello escaping = hello("a");
   escaping.set_host("\x1b[2Jnode\n7 " + std::string(1000, 'x'));
-  EXPECT_EQ(registry.admit("p", escaping, {}, now).host, "?[2Jnode?7 " + std::string(53, 'x'));
+  EXPECT_EQ(registry.admit("p", escaping, {}, now).provenance.host(),
+            "?[2Jnode?7 " + std::string(53, 'x'));
   escaping.set_version("\x1b[2J");
   EXPECT_THAT(registry.objectionTo(escaping, {}), testing::HasSubstr("palpate ?[2J:"));
 }
