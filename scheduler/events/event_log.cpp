@@ -6,10 +6,13 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/log_lines.hpp"
 #include "common/base/number_in.hpp"
 
 namespace palpate {
@@ -20,6 +23,28 @@ constexpr std::string_view event_file_prefix = "events-", event_file_suffix = ".
 constexpr std::size_t most_waiting = 64 << 10;
 
 }  // namespace
+
+Event& Event::addJson(std::string_view field, std::string_view json) {
+  fields_ += fmt::format(",\"{}\":{}", field, json);
+  return *this;
+}
+
+Event& Event::with(std::string_view field, std::string_view text) {
+  constexpr auto replace = nlohmann::json::error_handler_t::replace;
+  return addJson(field, nlohmann::json(text).dump(-1, ' ', false, replace));
+}
+
+Event& Event::with(std::string_view field, double number) {
+  return addJson(field, std::isfinite(number) ? fmt::format("{:.6g}", number) : "null");
+}
+
+Event& Event::with(std::string_view field, const std::array<double, 3>& place) {
+  return addJson(field, fmt::format("[{}]", fmt::join(place, ",")));
+}
+
+std::string Event::line(std::chrono::system_clock::time_point when) const {
+  return fmt::format(R"({{"time":"{}","event":"{}"{}}})", utcText(when), word_, fields_);
+}
 
 std::filesystem::path eventFile(const std::filesystem::path& directory, std::uint32_t number) {
   return directory / fmt::format("{}{:06}{}", event_file_prefix, number, event_file_suffix);

@@ -98,20 +98,13 @@ wire::Status meet(FleetOptions& options) {
   return *status;
 }
 
-/// Returns the command that a node runs. palpate checks the memory limit before it starts a worker.
-std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
-  std::vector<std::string> words = {programBeside("palpate").string(),
-                                    "work",
-                                    "--connect",
-                                    options.endpoint,
-                                    "--leave-idle",
-                                    std::to_string(options.leave_idle_s),
-                                    "--drain",
-                                    std::to_string(seconds_to_deliver)};
+/// Returns the command that a machine runs. `palpate` checks the memory limit before it starts a
+/// worker.
+std::vector<std::string> workerCommand(const std::string& palpate, const FleetOptions& options) {
+  std::vector<std::string> words = {palpate,     "work",
+                                    "--connect", options.endpoint,
+                                    "--drain",   std::to_string(seconds_to_deliver)};
   if (options.asked.keys.insecure) words.emplace_back("--insecure");
-  if (!options.asked.keys.folder.empty())
-    words.insert(words.end(),
-                 {"--keys", std::filesystem::absolute(options.asked.keys.folder).string()});
   return words;
 }
 
@@ -128,7 +121,11 @@ ExitCode runSlurm(SlurmFleetOptions& options) {
   catchInterrupts();
   options.slurm.name = "palpate-" + buildOf(options).substr(0, 12);
   options.slurm.endpoint = options.endpoint;
-  options.slurm.command = workerCommand(options);
+  std::vector<std::string>& command = options.slurm.command;
+  command = workerCommand(programBeside("palpate").string(), options);
+  command.insert(command.end(), {"--leave-idle", std::to_string(options.leave_idle_s)});
+  if (const std::string& folder = options.asked.keys.folder; !folder.empty())
+    command.insert(command.end(), {"--keys", std::filesystem::absolute(folder).string()});
   SlurmFleet fleet(options);
   if (!options.cancel) return fleet.run();
   fleet.end();
@@ -181,9 +178,7 @@ ExitCode runSsh(SshOrder& options) {
     fmt::print("the build is complete: there is nothing to do\n");
     return ExitCode::done;
   }
-  options.ssh.command = {options.program,  "work",    "--connect",
-                         options.endpoint, "--drain", std::to_string(seconds_to_deliver)};
-  if (options.asked.keys.insecure) options.ssh.command.emplace_back("--insecure");
+  options.ssh.command = workerCommand(options.program, options);
   SshHosts hosts(options.ssh, options.hosts);
   if (!options.dry_run) return keepHosts(options, hosts);
   for (const std::string& host : options.hosts)
