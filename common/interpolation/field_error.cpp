@@ -18,22 +18,9 @@ constexpr double share_of_spread = 0.75;  ///< factor of the mean difference, wi
 constexpr double share_at_ghosts = 2.5;
 constexpr double at_suspect_edges = 3;  ///< factor of the bound in leaves with a suspect edge
 
-using Forces = Eigen::Matrix<double, 3, LocalPolynomial::terms>;
-
-/// Returns the matrix that maps the derivatives of a polynomial to its force at an offset; lengths
-/// in units of the polynomial's scale.
-Forces forcesAt(const Eigen::Vector3d& offset) {
-  Forces forces;
-  for (Eigen::Index t = 0; t < LocalPolynomial::terms; ++t) {
-    LocalPolynomial unit;
-    unit.derivatives[t] = 1;
-    forces.col(t) = unit.at(offset).force;
-  }
-  return forces;
-}
-
 /// Evaluates the forces of local polynomials at the grid nodes of leaves. Caches the matrices of
-/// forcesAt(), because the same offsets, in units of the polynomial's scale, occur again and again.
+/// LocalPolynomial::forcesAt(), because the same offsets, in units of the polynomial's scale, occur
+/// again and again.
 class NodeForces {
  public:
   Eigen::Vector3d at(const LocalPolynomial& polynomial, const Eigen::Vector3d& offset) {
@@ -41,12 +28,12 @@ class NodeForces {
     const std::array<std::int64_t, 3> key = {std::llround(x[0] * 1e6), std::llround(x[1] * 1e6),
                                              std::llround(x[2] * 1e6)};
     auto known = known_.find(key);
-    if (known == known_.end()) known = known_.emplace(key, forcesAt(x)).first;
+    if (known == known_.end()) known = known_.emplace(key, LocalPolynomial::forcesAt(x)).first;
     return known->second * polynomial.derivatives / polynomial.scale;
   }
 
  private:
-  std::map<std::array<std::int64_t, 3>, Forces> known_;
+  std::map<std::array<std::int64_t, 3>, LocalPolynomial::Forces> known_;
 };
 
 Eigen::Vector3d placeOf(std::size_t node) {

@@ -137,6 +137,16 @@ struct WeightedSystem {
 
 const Orders& LocalPolynomial::orders(std::size_t index) { return all_orders[index]; }
 
+LocalPolynomial::Forces LocalPolynomial::forcesAt(const Eigen::Vector3d& offset) {
+  const Powers powers = powersOf(offset);
+  Forces forces;
+  for (Eigen::Index t = 0; t < terms; ++t)
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      forces(axis, t) =
+          -termAt(all_orders[palpate::at(t)], all_orders[palpate::at(1 + axis)], powers);
+  return forces;
+}
+
 KnownDerivatives LocalPolynomial::derivativesAt(const Eigen::Vector3d& offset, int count) const {
   const Powers powers = powersOf(offset / scale);
   KnownDerivatives value = KnownDerivatives::Zero(count);
@@ -195,6 +205,7 @@ Eigen::VectorXd LocalFits::fitted(const Factors& factors, const std::vector<FitS
           known.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
     row += numbers;
   }
+  if (right.isZero(0)) return Eigen::VectorXd::Zero(factors.qr.cols());  // for instance a guess
   right.head(factors.weights.size()).array() *= factors.weights.array();
   return factors.qr.solve(right);
 }

@@ -20,6 +20,9 @@ class LocalPolynomial {
   static constexpr int degree = 5, terms = 56;
   /// Returns the derivative orders of term `index`. Terms are sorted by total degree.
   static const Orders& orders(std::size_t index);
+  /// Maps `derivatives` to the force at an offset; lengths in units of `scale`.
+  using Forces = Eigen::Matrix<double, 3, terms>;
+  static Forces forcesAt(const Eigen::Vector3d& offset);
 
   double scale = 1;  ///< metres
   /// Derivatives at the position, each times scale^(total order), J; one per term.

@@ -5,10 +5,12 @@
 namespace palpate {
 namespace {
 
-/// Returns the bump and its derivatives, times `area`, at the offset `away` from the centre.
-BumpIntegral bumpTimes(double area, const Eigen::Vector3d& away, double radius) {
+/// Returns the bump and, if asked, its derivatives, times `area`, at the offset `away` from the
+/// centre.
+BumpIntegral bumpTimes(double area, const Eigen::Vector3d& away, double radius, bool derivatives) {
   const double relative = away.squaredNorm() / (radius * radius);
   if (relative >= 1) return {};
+  if (!derivatives) return {.value = (1 - relative) * (1 - relative) * area};
   const double slope = 4 * (1 - relative) / (radius * radius) * area;
   BumpIntegral bump = {(1 - relative) * (1 - relative) * area, slope * away,
                        8 / (radius * radius * radius * radius) * area * away * away.transpose()};
@@ -19,7 +21,7 @@ BumpIntegral bumpTimes(double area, const Eigen::Vector3d& away, double radius) 
 }  // namespace
 
 std::vector<BumpIntegral> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center,
-                                        double radius) {
+                                        double radius, bool derivatives) {
   PALPATE_ASSERT(radius > 0, "a weighted tool must have a radius");
   const bool quadratic = !mesh.edges.empty();
   std::vector<BumpIntegral> integrals(mesh.nodes.size());
@@ -31,9 +33,10 @@ std::vector<BumpIntegral> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d&
       if (quadratic) middle[i] = midEdgeNode(mesh, triangle[i], triangle[(i + 1) % 3]);
     }
     BumpQuadrature(center, radius).over(corners, [&](const Eigen::Vector3d& l, double area) {
-      const BumpIntegral bump = bumpTimes(area, corners * l - center, radius);
+      const BumpIntegral bump = bumpTimes(area, corners * l - center, radius, derivatives);
       const auto addTo = [&](BumpIntegral& integral, double shape) {
         integral.value += bump.value * shape;
+        if (!derivatives) return;
         integral.gradient += shape * bump.gradient;
         integral.curvature += shape * bump.curvature;
       };

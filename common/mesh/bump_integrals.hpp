@@ -12,7 +12,9 @@ namespace palpate {
 /// radius. Real time.
 inline double bumpAt(const Eigen::Vector3d& x, const Eigen::Vector3d& center,
                      double radius) noexcept {
-  const double inside = std::max(0.0, 1 - (x - center).squaredNorm() / (radius * radius));
+  const double squared = (x - center).squaredNorm();
+  if (!(squared < radius * radius)) return 0;  // in most calls; saves the division
+  const double inside = 1 - squared / (radius * radius);
   return inside * inside;
 }
 
@@ -83,8 +85,8 @@ struct BumpIntegral {
 /// to the integral of the bump. The relative error of this sum is below 1e-6 for any mesh, because
 /// triangles are subdivided. The values are continuously differentiable, and the gradients are
 /// exact. The curvatures jump where the rim of the bump passes a quadrature point and are accurate
-/// to 1e-2.
+/// to 1e-2. Without `derivatives`, gradients and curvatures are zero, which saves most of the time.
 std::vector<BumpIntegral> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center,
-                                        double radius);
+                                        double radius, bool derivatives = true);
 
 }  // namespace palpate

@@ -30,9 +30,9 @@ BumpIntegral quotient(const BumpIntegral& a, const BumpIntegral& b) {
 }  // namespace
 
 FingerWeights fingerWeights(const Mesh& mesh, const NodeSet& fixed, const Eigen::Vector3d& center,
-                            double radius) {
+                            double radius, bool derivatives) {
   PALPATE_ASSERT(center.allFinite(), "the centre of a finger must be finite");
-  const std::vector<BumpIntegral> integrals = bumpIntegrals(mesh, center, radius);
+  const std::vector<BumpIntegral> integrals = bumpIntegrals(mesh, center, radius, derivatives);
   FingerWeights finger;
   BumpIntegral sum;
   double whole = 0;

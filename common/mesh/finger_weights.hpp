@@ -22,8 +22,9 @@ struct FingerWeights {
 };
 
 /// Computes the weights of a finger centred at `center` (metres) with this radius (metres); `fixed`
-/// is sorted. If the bump reaches no free node, `nodes` is empty and free_share is 0.
+/// is sorted. If the bump reaches no free node, `nodes` is empty and free_share is 0. Without
+/// `derivatives`, gradients and curvatures are zero.
 FingerWeights fingerWeights(const Mesh& mesh, const NodeSet& fixed, const Eigen::Vector3d& center,
-                            double radius);
+                            double radius, bool derivatives = true);
 
 }  // namespace palpate

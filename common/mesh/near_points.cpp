@@ -85,19 +85,33 @@ std::vector<Eigen::Vector3d> farthestPoints(
     const std::vector<Eigen::Vector3d>& places, const std::vector<double>& distances,
     const std::function<bool(const Eigen::Vector3d& place, std::size_t taken)>& accepts) {
   PALPATE_ASSERT(distances.size() == places.size(), "each place must have a distance");
-  std::vector<double> away(places.size(), std::numeric_limits<double>::infinity());
+  /// A place without a chosen one near it. `squared` (m^2) and `quotient` are those of the distance
+  /// to the nearest chosen place.
+  struct Open {
+    Eigen::Vector3d place;
+    double distance;
+    double squared = std::numeric_limits<double>::infinity(), quotient = squared;
+  };
+  const auto nearer = [](const Open& a, const Open& b) { return a.quotient < b.quotient; };
+  std::vector<Open> open;
+  for (std::size_t n = 0; n < places.size(); ++n) open.push_back({places[n], distances[n]});
   std::vector<Eigen::Vector3d> taken;
-  while (!places.empty()) {
-    const auto farthest = at(std::ranges::max_element(away) - away.begin());
-    if (away[farthest] <= 1) break;
-    const Eigen::Vector3d& place = places[farthest];
+  while (!open.empty()) {
+    const auto farthest = std::ranges::max_element(open, nearer);
+    if (farthest->quotient <= 1) break;
+    const Eigen::Vector3d place = farthest->place;
     if (!accepts(place, taken.size())) {
-      away[farthest] = 0;
+      farthest->squared = farthest->quotient = 0;
       continue;
     }
     taken.push_back(place);
-    for (std::size_t n = 0; n < places.size(); ++n)
-      away[n] = std::min(away[n], (places[n] - place).norm() / distances[n]);
+    for (Open& other : open) {
+      const double squared = (other.place - place).squaredNorm();
+      if (squared >= other.squared) continue;
+      other.squared = squared;
+      other.quotient = std::sqrt(squared) / other.distance;
+    }
+    std::erase_if(open, [](const Open& other) { return other.quotient <= 1; });
   }
   return taken;
 }

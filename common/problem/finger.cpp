@@ -41,14 +41,14 @@ Eigen::Vector3d meanNormal(const Mesh& mesh, const Finger& finger) {
 }  // namespace
 
 FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const NodeSet& fixed,
-                            const Finger& finger) {
+                            const Finger& finger, bool derivatives) {
   const double diagonal = boundingBox(mesh).diagonal().norm();
   if (!(2 * finger.radius < diagonal))
     throw badInput(
         "{}: a finger of radius {:.4g} m is as wide as the body, whose diagonal is {:.4g} m; "
         "make radius smaller, or use tool = \"rigid\"",
         what, finger.radius, diagonal);
-  FingerWeights weights = fingerWeights(mesh, fixed, finger.center, finger.radius);
+  FingerWeights weights = fingerWeights(mesh, fixed, finger.center, finger.radius, derivatives);
   if (!(weights.free_share >= least_free_share))
     throw badInput(
         "{}: the finger at {} (radius {:.4g} m) has {:.0f} % of its contact area on fixed nodes "
@@ -67,13 +67,14 @@ bool isFinger(const Finger& finger) {
 
 ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
                         const Finger& finger) {
-  FingerWeights weights = checkedFinger(fmt::format("active \"{}\"", name), mesh, fixed, finger);
+  FingerWeights weights =
+      checkedFinger(fmt::format("active \"{}\"", name), mesh, fixed, finger, /*derivatives=*/false);
   PALPATE_ASSERT(!weights.nodes.empty() && weights.nodes.size() == weights.weights.size(),
                  "a finger must have a weight for each of its nodes");
   ActivePatch patch;
   patch.name = name;
-  NodeSet vertices = surfaceNodes(mesh);
-  std::erase_if(vertices, [&](std::int32_t node) { return !contains(weights.nodes, node); });
+  NodeSet vertices = weights.nodes;
+  std::erase_if(vertices, [&](std::int32_t node) { return node >= mesh.vertices(); });
   if (vertices.empty())
     throw badInput(
         "active \"{}\": all vertices under the finger of radius {:.4g} m at {} are fixed; move it",

@@ -20,9 +20,9 @@ inline constexpr double place_distance = 0.1;
 
 /// Returns the weights of a finger on this body. Error (bad input) if the finger is as wide as the
 /// body, or if its free share is below least_free_share. The message begins with `what` ("active
-/// \"tip\"") and suggests a change of the scene.
+/// \"tip\"") and suggests a change of the scene. derivatives: as in fingerWeights().
 FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const NodeSet& fixed,
-                            const Finger& finger);
+                            const Finger& finger, bool derivatives = true);
 
 /// Returns whether the numbers of a finger are valid: finite centre, positive radius, `outward` of
 /// length 1 or 0, `pull` and `width` in their ranges (PushedPart).

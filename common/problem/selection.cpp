@@ -217,13 +217,12 @@ std::int32_t selectActiveNode(const ActiveSelection& selection, const Mesh& mesh
   return node;
 }
 
-ActivePatch selectFinger(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& surface,
-                         const NodeSet& fixed) {
+ActivePatch selectFinger(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed) {
   const Finger finger =
-      selection.near
-          ? fingerNear(fmt::format("active \"{}\": near", selection.name), mesh, *selection.near,
-                       selection.radius)
-          : Finger{mesh.nodes[selectActiveNode(selection, mesh, surface)], selection.radius};
+      selection.near ? fingerNear(fmt::format("active \"{}\": near", selection.name), mesh,
+                                  *selection.near, selection.radius)
+                     : Finger{mesh.nodes[selectActiveNode(selection, mesh, surfaceNodes(mesh))],
+                              selection.radius};
   ActivePatch patch = fingerPatch(selection.name, mesh, fixed, finger);
   patch.probe = selection.probe;
   return patch;
@@ -245,7 +244,8 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
         "weighted average needs at least 3; make radius larger, or refine the mesh there",
         patch.name, radius, counted(patch.nodes.size(), "movable surface node"),
         measure(mesh).mean_edge);
-  const std::vector<BumpIntegral> integrals = bumpIntegrals(mesh, mesh.nodes[patch.node], radius);
+  const std::vector<BumpIntegral> integrals =
+      bumpIntegrals(mesh, mesh.nodes[patch.node], radius, /*derivatives=*/false);
   std::vector<double> weights;
   for (const std::int32_t node : patch.nodes) weights.push_back(integrals[node].value);
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -378,8 +378,8 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
 
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed) {
   PALPATE_ASSERT(!selection.surface, "areas must be split into sites");
+  if (selection.tool == ToolKind::finger) return selectFinger(selection, mesh, fixed);
   const NodeSet surface = surfaceNodes(mesh);
-  if (selection.tool == ToolKind::finger) return selectFinger(selection, mesh, surface, fixed);
   const bool weighted = selection.tool == ToolKind::weighted_average;
   ActivePatch patch;
   patch.name = selection.name;
