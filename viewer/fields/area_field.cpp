@@ -330,6 +330,15 @@ std::vector<std::size_t> AreaField::sitesOfCollocationPoint(std::size_t collocat
                    sites_of_collocation_point);
 }
 
+std::vector<Eigen::Vector3d> AreaField::collocationPointsFrom(
+    const std::vector<bool>& sites) const {
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t n = 0; n < collocationPointCount(); ++n)
+    if (std::ranges::any_of(sitesOfCollocationPoint(n), [&](std::size_t s) { return sites[s]; }))
+      places.push_back(collocation_points_.points()[n]);
+  return places;
+}
+
 void AreaField::beginCollocationPoint(std::size_t collocation_point) {
   std::set<LatticeCell> cells;
   for (const std::size_t site : sitesOfCollocationPoint(collocation_point))

@@ -118,6 +118,11 @@ class AreaField {
   std::size_t siteCount() const { return sites_.points().size(); }
   std::size_t madeSites() const { return made_count_; }
   std::size_t collocationPointCount() const { return collocation_points_.points().size(); }
+  /// Returns the collocation points that are interpolated from one of these sites, metres. sites:
+  /// whether each site is one of them.
+  std::vector<Eigen::Vector3d> collocationPointsFrom(const std::vector<bool>& sites) const;
+  /// distance at which the influence of a collocation point ends, m
+  double collocationReach() const { return collocation_points_.reach(); }
   /// distance at which the influence of a site ends, m
   double siteReach() const { return sites_.reach(); }
   /// Returns the indices of the sites within reach of a place, metres.

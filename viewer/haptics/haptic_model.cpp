@@ -1,6 +1,7 @@
 #include "viewer/haptics/haptic_model.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -12,10 +13,6 @@
 
 namespace palpate {
 namespace {
-
-/// Distance, in finger radii, up to which a site influences the forces of its area: the reach of a
-/// collocation point, plus the distance from there to the farthest of the seven nearest sites.
-constexpr double influence_radii = 1.2;
 
 /// Returns the radius of the finger, or of the patch around the active node, m.
 double radiusOf(const ActivePatch& patch, const Mesh& mesh) {
@@ -61,17 +58,12 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
 }
 
 void HapticModel::guessUnfinished() {
-  std::vector<Eigen::Vector3d> centers;
   for (const TouchArea& area : surface_.areas())
     for (const std::size_t space : area.spaces) {
       if (!isUnfinished(spaces_[space])) continue;
       guess(spaces_[space], scene_);
       guessed_[space] = true;
-      centers.push_back(spaces_[space].patch.finger->center);
     }
-  if (centers.empty()) return;
-  const double radius = surface_.areas().front().radius;
-  guessed_sites_ = NearPoints(std::move(centers), influence_radii * radius);
 }
 
 void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
@@ -124,8 +116,20 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
   PALPATE_ASSERT(areas.size() == surface_.areas().size(),
                  "each area of the surface must have an energy");
   areas_ = std::move(areas);
+  findGuessedPlaces();
   areas_made_ = true;
   return true;
+}
+
+void HapticModel::findGuessedPlaces() {
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t a = 0; a < areas_.size(); ++a) {
+    const auto isGuessed = [&](std::size_t space) -> bool { return guessed_[space]; };
+    std::ranges::copy(
+        areas_[a]->collocationPointsFrom(mapped(surface_.areas()[a].spaces, isGuessed)),
+        std::back_inserter(places));
+  }
+  if (!places.empty()) guessed_places_ = NearPoints(places, areas_.front()->collocationReach());
 }
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop, bool alone) {

@@ -98,9 +98,10 @@ class HapticModel {
   std::size_t guesses() const noexcept {
     return static_cast<std::size_t>(std::ranges::count(guessed_, true));
   }
-  /// Returns whether the energy of an area at this place, m, depends on a guess. Real time.
+  /// Returns whether the energy of an area at this place, m, depends on a guess. Requires that some
+  /// method isPrepared(). Real time.
   bool isGuessAt(const Eigen::Vector3d& place) const noexcept {
-    return guessed_sites_.isReached(place);
+    return guessed_places_.isReached(place);
   }
   /// Returns the displacements of the surface's vertices in a space.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
@@ -115,6 +116,7 @@ class HapticModel {
     std::atomic<std::size_t> made = 0;
   };
   void guessUnfinished();
+  void findGuessedPlaces();
   void make(std::size_t method, std::size_t space);
   bool makeAreas(const std::stop_token& stop);  ///< returns whether the areas are complete
   void readShapes(const Dataset& dataset, bool with_pressures, const std::stop_token& stop);
@@ -124,8 +126,8 @@ class HapticModel {
   ContentId content_, build_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
-  std::vector<bool> guessed_;  ///< [space]
-  NearPoints guessed_sites_;   ///< centres of guessed sites; reach: distance of their influence
+  std::vector<bool> guessed_;       ///< [space]
+  NearPoints guessed_places_;       ///< collocation points that depend on a guess
   std::vector<double> tool_radii_;  ///< m, [space]
   /// Candidates for the collocation points of each area (placesAround): places on the surface
   /// around its sites, m, [area].

@@ -122,10 +122,15 @@ TEST_F(GrowingBody, IsAGuessOnlyNearUnfinishedSites) {
   EXPECT_TRUE(guessed->isGuessAt(place));
   EXPECT_GT(guessed->area(0).evaluate(place, push).force.z(), 0.1);
   EXPECT_FALSE(guessed->isGuessAt(elsewhere));
-  EXPECT_EQ(guessed->area(0).evaluate(elsewhere, push).force,
-            whole->area(0).evaluate(elsewhere, push).force)
-      << "an unfinished site has no influence there";
   EXPECT_FALSE(whole->isGuessAt(place));
+  // From the unfinished site to the other corner of the area.
+  for (double share = 0; share <= 1; share += 0.02) {
+    const Eigen::Vector3d on_the_way = place + share * 2 * (elsewhere - place);
+    EXPECT_EQ(guessed->area(0).evaluate(on_the_way, push).force !=
+                  whole->area(0).evaluate(on_the_way, push).force,
+              guessed->isGuessAt(on_the_way))
+        << share;
+  }
 }
 
 /// The bound of a guess is at least the force, and results replace a guess without a kick.
