@@ -80,13 +80,11 @@ void LoadedModels::prepareTheRest() {
   });
 }
 
-ModelsReload::ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options,
-                           const IsWanted& isWanted) {
+ModelsReload::ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options) {
   options.stop = stop_.get_token();
-  whole_ = std::async(std::launch::async, [this, files = std::move(files), options, isWanted] {
+  whole_ = std::async(std::launch::async, [this, files = std::move(files), options] {
     giveWay();
     auto models = std::make_unique<LoadedModels>(files, options);
-    if (isWanted && !isWanted(*models)) return std::unique_ptr<LoadedModels>();
     const std::vector<const HapticModel*> all = models->pointers();
     const auto meanwhile = [&](const HapticModel& model, double share) {
       const auto done = std::ranges::find(all, &model) - all.begin();

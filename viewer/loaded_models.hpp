@@ -59,10 +59,7 @@ class LoadedModels {
 /// priority, while the haptic loop continues to run. Belongs to one thread.
 class ModelsReload {
  public:
-  /// isWanted: decides whether to prepare the models that were read.
-  using IsWanted = std::function<bool(const LoadedModels&)>;
-  ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options,
-               const IsWanted& isWanted = {});
+  ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options);
   /// Stops the thread and waits until it has ended: tens of milliseconds, or longer while a file is
   /// being opened.
   ~ModelsReload();
@@ -71,8 +68,7 @@ class ModelsReload {
   }
   /// Returns the progress of the preparation of all forces, 0 to 1.
   double share() const { return share_; }
-  /// Returns the models; null if they are not wanted. Call once, and only when ended(). Throws the
-  /// errors of LoadedModels.
+  /// Returns the models. Call once, and only when ended(). Throws the errors of LoadedModels.
   std::unique_ptr<LoadedModels> take() {
     PALPATE_ASSERT(whole_.valid(), "the result of a reload must be taken only once");
     return whole_.get();

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <map>
 #include <ostream>
 #include <thread>
 #include <utility>
@@ -13,16 +12,14 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/base/number_text.hpp"
-#include "common/base/text.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/problem/problem.hpp"
 #include "viewer/devices/device_choice.hpp"
+#include "viewer/growing_dataset.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
-#include "viewer/live/build_beside.hpp"
 #include "viewer/live/live_link.hpp"
 #include "viewer/live/unsolved_dataset.hpp"
-#include "viewer/loaded_models.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/view_command.hpp"
 
@@ -30,15 +27,10 @@ namespace palpate {
 namespace {
 
 constexpr double frames_per_second = 60, video_frames_per_second = 30;
+constexpr std::chrono::seconds live_patience{10};
 constexpr auto headless_pause = std::chrono::milliseconds(20);
 constexpr auto look_every = std::chrono::milliseconds(500);  // interval for checking files,
                                                              // problems and statistics
-/// Shortest time between two replacements of the forces by newer results of the build, as a
-/// multiple of the time that a replacement takes.
-constexpr int rest_of_growth = 4;
-/// Number of unfinished sites around the finger that the build computes first. The force at a place
-/// depends on about this many sites.
-constexpr std::size_t preferred_sites = 12;
 
 DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
@@ -64,8 +56,11 @@ class ViewSession {
     if (!options_.live.empty()) startLive();
     prepareFirst();
     if (quit_) return;
-    if (link_) awaitLive();
-    if (!options_.build.empty()) build_.emplace(scene_, options_.build);
+    if (link_ && !link_->waitUntilReady(live_patience))
+      spdlog::warn("live solving has not started yet{}{}", link_->trouble().empty() ? "" : ": ",
+                   link_->trouble());
+    if (!options_.build.empty())
+      growing_.emplace(scene_, options_.build, options_.datasets, modelOptions());
     device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile(),
                                            options_.keys, options_.hand_speed, options_.real_time});
     makeTick();
@@ -97,8 +92,6 @@ class ViewSession {
       saveRecording();
       throw;
     }
-    reload_.reset();
-    growth_.reset();
     finish(output);
     return interrupted() ? ExitCode::interrupted : ExitCode::done;
   }
@@ -181,13 +174,6 @@ class ViewSession {
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
     followed_.reset();
     link_.emplace(*live_, std::move(link_options));
-  }
-
-  void awaitLive() {
-    constexpr std::chrono::seconds patience{10};
-    if (!link_->waitUntilReady(patience))
-      spdlog::warn("live solving has not started yet{}{}", link_->trouble().empty() ? "" : ": ",
-                   link_->trouble());
   }
 
   void makeTick() {
@@ -300,7 +286,9 @@ class ViewSession {
     if (loop_) status_.loop = loop_->statistics();
     doubtPosition();
     if (retired_ && isRetiredUnused()) retired_.reset();
-    if (build_) lookAtBuild();
+    if (const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
+        growing_ && touch.touching)
+      growing_->prefer(loaded_->first(), touch.anchor_position);
     // Until the complete dataset is loaded, the build itself overwrites or removes the loaded file.
     const bool grows = unsolved_ && loaded_->first().file() != options_.build;
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
@@ -308,54 +296,6 @@ class ViewSession {
     status_.notice = fmt::format("{} was replaced; the old dataset is used until you reload",
                                  replaced->string());
     spdlog::warn("{}", status_.notice);
-  }
-
-  /// Loads the newer results of the build, and tells the build which sites to compute first.
-  void lookAtBuild() {
-    if (const std::optional<int> code = build_->exitCode()) {
-      const bool complete = *code == 0 || *code == 3;
-      if (!complete)
-        spdlog::warn("the build of {} has ended with exit code {}; its messages are above",
-                     options_.build.string(), *code);
-      build_.reset();
-      if (!complete) return;
-      spdlog::info("{} is complete", options_.build.string());
-      return growTo(options_.build);
-    }
-    if (const auto results = build_->takeResults())
-      growTo(*results);
-    else if (!growth_ && std::chrono::steady_clock::now() >= next_growth_)
-      build_->askForResults();
-    preferUnfinished();
-  }
-
-  /// Asks the build to compute the unfinished sites nearest to the finger first.
-  void preferUnfinished() {
-    const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
-    if (!touch.touching) return;
-    const HapticModel& model = loaded_->first();
-    std::map<double, std::string> unfinished;  // by distance
-    for (std::size_t s = 0; s < model.spaces().size(); ++s) {
-      const ActivePatch& site = model.spaces()[s].patch;
-      if (model.isGuess(s))
-        unfinished[(site.finger->center - touch.anchor_position).norm()] = site.name;
-    }
-    std::vector<std::string> nearest;
-    for (const auto& [distance, name] : unfinished)
-      if (nearest.size() < preferred_sites) nearest.push_back(name);
-    build_->prefer(std::move(nearest));
-  }
-
-  /// Starts to load newer results of the build, if they have more finished sites than the models in
-  /// use, or the complete dataset.
-  void growTo(const std::filesystem::path& dataset) {
-    options_.datasets.front() = dataset;
-    growth_began_ = std::chrono::steady_clock::now();
-    const bool complete = dataset == options_.build;
-    const std::size_t before = loaded_->first().guesses();
-    growth_ = std::make_unique<ModelsReload>(
-        options_.datasets, modelOptions(),
-        [=](const LoadedModels& models) { return complete || models.first().guesses() < before; });
   }
 
   /// Warns if the positions of the device seem to be in millimetres. The tool would then never come
@@ -409,7 +349,8 @@ class ViewSession {
   /// Switches to reloaded datasets as soon as they are ready. If the reload failed, the old ones
   /// stay in use.
   void followReload() {
-    followGrowth();
+    if (growing_ && !retired_)
+      if (auto newer = growing_->takeNewer()) replaceModels(std::move(newer));
     if (!reload_) return;
     status_.notice =
         fmt::format("reloading: {:.0f} % of the forces are prepared", 100 * reload_->share());
@@ -429,20 +370,9 @@ class ViewSession {
   }
 
   /// Replaces the models by newer results, while the loop runs and the window stays open.
-  void followGrowth() {
-    if (!growth_ || !growth_->ended() || retired_) return;
-    const auto now = std::chrono::steady_clock::now();
-    next_growth_ = now + rest_of_growth * (now - growth_began_);
-    const auto ended = std::move(growth_);
-    try {
-      if (auto fresh = ended->take()) replaceModels(std::move(fresh));
-    } catch (const std::exception& error) {
-      spdlog::warn("cannot use the results of the build so far: {}", error.what());
-    }
-  }
-
   void replaceModels(std::unique_ptr<LoadedModels> fresh) {
     retired_ = std::exchange(loaded_, std::move(fresh));
+    options_.datasets.front() = loaded_->first().file();
     if (loaded_->first().buildId() == build_id_) live_build_ = build_id_;
     const bool sent = replaceInTick();
     retired_tick_ = loop_ ? loop_->latest().tick : 0;
@@ -497,7 +427,10 @@ class ViewSession {
 
   /// Saves the recording. If its file cannot be written, saves it in the directory for temporary
   /// files.
-  void saveRecording() const {
+  void saveRecording() {
+    // Stop the threads that read datasets, because HDF5 serves only one thread at a time.
+    reload_.reset();
+    if (growing_) growing_->stopLoading();
     if (!recorder_) return;
     PALPATE_ASSERT(!loop_, "the haptic loop must have ended");
     try {
@@ -529,11 +462,7 @@ class ViewSession {
       writePng(picture_->grab(), options_.screenshot);
     }
     if (link_) tellLive(link_->statistics());
-    if (build_)
-      spdlog::info("{} is not complete; continue with: palpate build {} -o {}",
-                   options_.build.string(), shellWord(scene_.string()),
-                   shellWord(options_.build.string()));
-    build_.reset();
+    growing_.reset();
     if (video_) spdlog::info("{}: {} frames", options_.video.string(), video_->count());
     output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_));
   }
@@ -553,7 +482,7 @@ class ViewSession {
   ContentId build_id_;             ///< problemId of the scene that is followed
   ContentId live_build_;           ///< build id of the model that the live solver corrects
   std::optional<LiveLink> link_;
-  std::optional<BuildBeside> build_;
+  std::optional<GrowingDataset> growing_;  ///< with --build
   std::unique_ptr<HapticTick> tick_;
   std::optional<Recorder> recorder_;
   std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped()
@@ -565,8 +494,6 @@ class ViewSession {
   bool doubted_ = false;                  ///< whether the warning about the position of the hand
                                           ///< was given
   std::unique_ptr<ModelsReload> reload_;  ///< not null while datasets are reloaded
-  std::unique_ptr<ModelsReload> growth_;  ///< not null while results of the build are loaded
-  std::chrono::steady_clock::time_point growth_began_, next_growth_;
   bool quit_ = false;
 };
 

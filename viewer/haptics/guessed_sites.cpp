@@ -4,6 +4,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
+#include "common/mesh/bump_integrals.hpp"
 
 namespace palpate {
 namespace {
@@ -14,11 +15,6 @@ constexpr double stiffness_share = 0.5;
 /// Distance from the finger, in its radii, at which the guessed shape ends.
 constexpr double shape_radii = 3;
 
-double springOf(const Scene& scene, double radius) {
-  const auto modulusOf = [](const Region& region) { return youngModulus(region.material); };
-  return stiffness_share * std::ranges::min(mapped(scene.regions, modulusOf)) * radius;
-}
-
 }  // namespace
 
 bool isUnfinished(const SpaceTable& space) {
@@ -28,7 +24,9 @@ bool isUnfinished(const SpaceTable& space) {
 
 void guess(SpaceTable& site, const Scene& scene) {
   PALPATE_ASSERT(site.patch.finger, "only the force of a finger can be guessed");
-  const double spring = springOf(scene, site.patch.finger->radius);
+  const auto modulusOf = [](const Region& region) { return youngModulus(region.material); };
+  const double softest = std::ranges::min(mapped(scene.regions, modulusOf));
+  const double spring = stiffness_share * softest * site.patch.finger->radius;
   for (std::size_t n = 0; n < site.points.size(); ++n) {
     const Eigen::Vector3d p = site.lattice.displacement(static_cast<std::int32_t>(n));
     PointRecord& point = site.points[n] = {};
@@ -41,19 +39,15 @@ void guess(SpaceTable& site, const Scene& scene) {
 
 std::vector<float> guessedShapes(const SpaceTable& site,
                                  std::span<const Eigen::Vector3d> vertices) {
-  std::vector<double> shares;
-  for (const Eigen::Vector3d& vertex : vertices) {
-    const double x =
-        (vertex - site.patch.finger->center).norm() / (shape_radii * site.patch.finger->radius);
-    shares.push_back(x < 1 ? (1 - x * x) * (1 - x * x) : 0);
-  }
+  const Finger& finger = *site.patch.finger;
   std::vector<float> displacements;
-  displacements.reserve(3 * site.points.size() * vertices.size());
   for (std::size_t n = 0; n < site.points.size(); ++n) {
     const Eigen::Vector3d p = site.lattice.displacement(static_cast<std::int32_t>(n));
-    for (const double share : shares)
-      for (int axis = 0; axis < 3; ++axis)
-        displacements.push_back(static_cast<float>(share * p[axis]));
+    for (const Eigen::Vector3d& vertex : vertices) {
+      const double share = bumpAt(vertex, finger.center, shape_radii * finger.radius);
+      for (const double component : p)
+        displacements.push_back(static_cast<float>(share * component));
+    }
   }
   return displacements;
 }

@@ -1,16 +1,18 @@
-#include "viewer/live/build_beside.hpp"
+#include "viewer/growing_dataset.hpp"
 
 #include <signal.h>
 #include <spdlog/spdlog.h>
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <map>
 
 #include "common/base/child_process.hpp"
 #include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
 #include "common/base/machine.hpp"
 #include "common/base/program.hpp"
+#include "common/base/text.hpp"
 
 namespace palpate {
 namespace {
@@ -22,6 +24,11 @@ constexpr auto build_poll = 100ms;
 constexpr auto end_patience = 10s;
 /// Cores that the build leaves to the haptic loop and the live solver.
 constexpr unsigned cores_left = 2;
+/// Shortest time between two loads, as a multiple of the time that a load takes.
+constexpr int rest_of_loads = 4;
+/// Number of guessed sites around the finger that the build computes first. The force at a place
+/// depends on about this many sites.
+constexpr std::size_t preferred_sites = 12;
 
 std::string stateOf(const std::filesystem::path& output) { return output.string() + ".state"; }
 
@@ -50,62 +57,76 @@ bool palpate(std::vector<std::string> words) {
 
 }  // namespace
 
-BuildBeside::BuildBeside(std::filesystem::path scene, std::filesystem::path output)
+GrowingDataset::GrowingDataset(std::filesystem::path scene, std::filesystem::path output,
+                               std::vector<std::filesystem::path> files, HapticModelOptions options)
     : scene_(std::move(scene)),
       output_(std::move(output)),
-      thread_([this](const std::stop_token& stop) {
-        try {
-          run(stop);
-        } catch (const std::exception& error) {
-          spdlog::warn("{}", error.what());
-        }
-      }) {}
-
-void BuildBeside::prefer(std::vector<std::string> spaces) {
-  const std::lock_guard lock(mutex_);
-  preferred_ = std::move(spaces);
+      files_(std::move(files)),
+      options_(std::move(options)) {
+  options_.stop = no_more_loads_.get_token();
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    try {
+      run(stop);
+    } catch (const std::exception& error) {
+      spdlog::warn("{}", error.what());
+    }
+  });
 }
 
-void BuildBeside::askForResults() {
+void GrowingDataset::prefer(const HapticModel& model, const Eigen::Vector3d& place) {
+  std::map<double, std::string> by_distance;
+  for (std::size_t s = 0; s < model.spaces().size(); ++s) {
+    const ActivePatch& site = model.spaces()[s].patch;
+    if (model.isGuess(s)) by_distance[(site.finger->center - place).norm()] = site.name;
+  }
   const std::lock_guard lock(mutex_);
-  asked_ = true;
+  preferred_.clear();
+  for (const auto& [distance, name] : by_distance)
+    if (preferred_.size() < preferred_sites) preferred_.push_back(name);
 }
 
-std::optional<std::filesystem::path> BuildBeside::takeResults() {
+std::unique_ptr<LoadedModels> GrowingDataset::takeNewer() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(results_, std::nullopt);
+  return std::exchange(newer_, nullptr);
 }
 
-std::optional<int> BuildBeside::exitCode() const {
-  const std::lock_guard lock(mutex_);
-  return exit_code_;
+void GrowingDataset::stopLoading() {
+  no_more_loads_.request_stop();
+  const std::lock_guard waits(loading_);
 }
 
-void BuildBeside::run(const std::stop_token& stop) {
+void GrowingDataset::run(const std::stop_token& stop) {
   giveWay();  // the build inherits the priority
   const unsigned workers = std::max(cores_left + 1, coreCount()) - cores_left;
   const pid_t child = startChild({programBeside("palpate").string(), "build", scene_.string(), "-o",
                                   output_.string(), "--state", stateOf(output_), "-j",
                                   std::to_string(workers), "-q"});
   std::optional<int> code;
-  while (!stop.stop_requested() && !(code = exitCodeOf(child))) {
+  while (!(code = exitCodeOf(child)) && !stop.stop_requested()) {
     passPreference();
-    sealResults();
+    if (Clock::now() >= next_load_) loadResults();
     std::this_thread::sleep_for(build_poll);
   }
-  if (!code) kill(child, SIGTERM);
-  for (auto waited = 0ms; !code && !(code = exitCodeOf(child)); waited += build_poll) {
+  if (code == 0 || code == 3) {
+    spdlog::info("{} is complete", output_.string());
+    return load(output_);
+  }
+  if (code)
+    return spdlog::warn("the build of {} has ended with exit code {}; its messages are above",
+                        output_.string(), *code);
+  spdlog::info("{} is not complete; continue with: palpate build {} -o {}", output_.string(),
+               shellWord(scene_.string()), shellWord(output_.string()));
+  kill(child, SIGTERM);
+  for (auto waited = 0ms; !exitCodeOf(child); waited += build_poll) {
     if (waited == end_patience) kill(child, SIGKILL);
     std::this_thread::sleep_for(build_poll);
   }
-  const std::lock_guard lock(mutex_);
-  exit_code_ = code;
 }
 
 /// Raises the priority of one preferred space above all priorities so far. Chooses the farthest
 /// space that was not raised yet; if there is none, the nearest. If the build does not accept
 /// commands yet, a later call tries again.
-void BuildBeside::passPreference() {
+void GrowingDataset::passPreference() {
   std::string space;
   {
     const std::lock_guard lock(mutex_);
@@ -122,19 +143,33 @@ void BuildBeside::passPreference() {
   passed_ = space;
 }
 
-/// Writes the dataset of the results so far, if it was asked for. If the build has no results yet,
-/// a later call tries again.
-void BuildBeside::sealResults() {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!asked_ || Clock::now() < next_seal_) return;
-  }
-  next_seal_ = Clock::now() + 1s;
+/// Loads the results so far. If the build has none yet, a later call tries again.
+void GrowingDataset::loadResults() {
+  next_load_ = Clock::now() + 1s;
   const std::filesystem::path results = folder_ / "results.h5";
   if (!palpate({"seal", stateOf(output_), "-o", results.string(), "--replace", "-q"})) return;
-  const std::lock_guard lock(mutex_);
-  asked_ = false;
-  results_ = results;
+  const auto began = Clock::now();
+  load(results);
+  next_load_ = Clock::now() + rest_of_loads * (Clock::now() - began);
+}
+
+/// Loads a dataset if it is complete or has fewer guesses than the newest models.
+void GrowingDataset::load(const std::filesystem::path& dataset) {
+  const std::lock_guard loading(loading_);
+  if (no_more_loads_.stop_requested()) return;
+  files_.front() = dataset;
+  try {
+    auto models = std::make_unique<LoadedModels>(files_, options_);
+    if (dataset != output_ && models->first().guesses() >= guesses_) return;
+    guesses_ = models->first().guesses();
+    const auto goes_on = [&](auto&&...) { return !no_more_loads_.stop_requested(); };
+    if (!models->prepareFirst(goes_on, /*log=*/false)) return;
+    const std::lock_guard lock(mutex_);
+    newer_ = std::move(models);
+  } catch (const std::exception& error) {
+    if (!no_more_loads_.stop_requested())
+      spdlog::warn("cannot use the results of the build so far: {}", error.what());
+  }
 }
 
 }  // namespace palpate
