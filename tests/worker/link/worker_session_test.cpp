@@ -23,14 +23,13 @@ struct WorkerSessionTest : testing::Test {
   WorkerSession session;
 
   explicit WorkerSessionTest(double leave_idle_s = 0)
-      : session(
-            mailbox,
-            {.worker_id = "w",
-             .host = "here",
-             .kernel_family = "avx2",
-             .runs = {"baseline"},
-             .leave_idle_s = leave_idle_s},
-            now) {}
+      : session(mailbox,
+                {.worker_id = "w",
+                 .host = "here",
+                 .kernel_family = "avx2",
+                 .runs = {"baseline"},
+                 .leave_idle_s = leave_idle_s},
+                now) {}
 
   void hear(const Message& message, const std::string& payload = "") {
     session.receive({"", message, payload}, now);
