@@ -107,7 +107,8 @@ void GrowingDataset::run(const std::stop_token& stop) {
     if (Clock::now() >= next_load_) loadResults();
     std::this_thread::sleep_for(build_poll);
   }
-  if (code == 0 || code == 3) {
+  // Exit code 3: complete, but some points have no equilibrium.
+  if (const int ended = code.value_or(-1); ended == 0 || ended == 3) {
     spdlog::info("{} is complete", output_.string());
     return load(output_);
   }
