@@ -22,8 +22,10 @@ namespace {
 
 /// Reverses hexOf(), for the command line of a child.
 std::string bytesOfHex(const std::string& hex) {
+  if (hex.size() % 2 != 0 || hex.find_first_not_of("0123456789abcdef") != std::string::npos)
+    throw CLI::ValidationError("\"" + hex + "\" is not the hexadecimal id of a worker");
   std::string bytes;
-  for (std::size_t at = 0; at + 1 < hex.size(); at += 2)
+  for (std::size_t at = 0; at < hex.size(); at += 2)
     bytes.push_back(static_cast<char>(std::stoi(hex.substr(at, 2), nullptr, 16)));
   return bytes;
 }

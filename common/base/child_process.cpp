@@ -20,7 +20,7 @@ namespace {
   }
   if (prctl(PR_SET_PDEATHSIG, settings.death_signal) != 0 || getppid() != parent) _exit(126);
   // A process group of its own keeps Ctrl-C from the child: its parent handles Ctrl-C.
-  setpgid(0, 0);
+  if (setpgid(0, 0) != 0) _exit(126);
   execvp(settings.program != nullptr ? settings.program : arguments[0], arguments);
   const int error = errno;
   // If the write fails, there is no way left to report the error.

@@ -53,7 +53,7 @@ std::string shellQuoted(std::string_view word) {
 }
 
 std::string replacedAll(std::string text, std::string_view from, std::string_view to) {
-  for (std::size_t at; (at = text.find(from)) != std::string::npos;)
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
     text.replace(at, from.size(), to);
   return text;
 }

@@ -23,7 +23,7 @@ std::string shellWord(std::string_view file);
 /// Quotes a word for the shell.
 std::string shellQuoted(std::string_view word);
 
-/// Replaces each `from` in `text` by `to`, which must not contain `from`.
+/// Replaces each `from` in `text` by `to`. `from` must not be empty.
 std::string replacedAll(std::string text, std::string_view from, std::string_view to);
 
 /// Returns the entry of `words` that `word` is probably a misspelling of. This is the entry with

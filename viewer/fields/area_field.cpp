@@ -28,8 +28,7 @@ constexpr std::size_t sites_of_collocation_point = 7;
 constexpr double kernel_width = 1.5;
 /// Factors of the three terms of an area's error bound:
 /// - share_of_p_error multiplies the bound for interpolation in p at each site.
-/// - share_of_order_difference multiplies the difference of the force from that of lower order in
-/// s.
+/// - share_of_order_difference multiplies the difference from the force of lower order in s.
 /// - share_of_force is a constant relative error, for interpolation to collocation points.
 ///
 /// docs/internals/thresholds.md explains how they were chosen.
@@ -266,7 +265,7 @@ void AreaField::prepare(const std::vector<std::size_t>& collocation_points,
     interpolateTo(new_collocation_points[n]);
     did(1);
   });
-  for (const std::size_t site : new_judged) judge(site);
+  for (const std::size_t site : new_judged) keep(site);
 }
 
 bool AreaField::makeOneOf(const std::vector<std::size_t>& sites) {
@@ -290,7 +289,7 @@ bool AreaField::prepareNext(const Eigen::Vector3d& s) {
   for (const std::size_t site : sitesAt(s)) {
     if (isJudged(site)) continue;
     if (makeOneOf({site})) return true;
-    judge(site);
+    keep(site);
     return true;
   }
   return false;
@@ -370,8 +369,8 @@ void AreaField::interpolateTo(std::size_t collocation_point) {
       mapped(jets, [](const SiteJet& jet) { return PackedJet(jet); });
 }
 
-void AreaField::judge(std::size_t site) {
-  PALPATE_ASSERT(made_[site].has_value(), "a site must be prepared before it is judged");
+void AreaField::keep(std::size_t site) {
+  PALPATE_ASSERT(made_[site].has_value(), "a site must be prepared before its estimates are kept");
   judgements_[site] = {.tree = treeOf(*spaces_[site], spaces_[site]->splits),
                        .coverage = made_[site]->coverage,
                        .p_error = made_[site]->p_error,

@@ -174,8 +174,8 @@ class AreaField {
   // sites it reads are prepared.
   void beginCollocationPoint(std::size_t collocation_point);
   void interpolateTo(std::size_t collocation_point);
-  /// Keeps what later evaluations need of a prepared site.
-  void judge(std::size_t site);
+  /// Keeps what judge() needs of a prepared site.
+  void keep(std::size_t site);
   /// Returns the index of the tree for the lattice of `like` with these cells split. Creates the
   /// tree if needed.
   std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);

@@ -26,7 +26,7 @@ struct SparsityPattern {
   Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor> times(
       const std::vector<double>& values,
       const Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor>& x) const {
-    auto product = x;
+    Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor> product(x.rows(), columns);
     product.setZero();
     for (std::size_t entry = 0; entry < values.size(); ++entry) {
       const std::int32_t a = row[entry] - 1, b = column[entry] - 1;

@@ -27,5 +27,10 @@ TEST(ShellWord, IsReadBackUnchangedByAShell) {
     EXPECT_EQ(test::runCommand("printf %s " + shellWord(name)).output, name);
 }
 
+TEST(Text, ReplacesEveryPlaceOnceEvenByTextThatContainsIt) {
+  EXPECT_EQ(replacedAll("%a and %a", "%a", "x%a"), "x%a and x%a");
+  EXPECT_EQ(replacedAll("none", "%a", "b"), "none");
+}
+
 }  // namespace
 }  // namespace palpate

@@ -214,6 +214,7 @@ TEST_F(AreaFieldTest, OneSiteAnswersAroundItself) {
   const AreaField single({&alone}, PaperArea::plane(0.002));
   const Eigen::Vector3d s(0.002, -0.001, 0), p(0.004, 0.003, -0.01);
   const AreaSample sample = single.evaluate(s, p);
+  EXPECT_LT((sample.force - PaperArea::force(s, p)).norm(), 0.01);
   EXPECT_LT((sample.force - PaperArea::force(s, p)).norm(), sample.error_bound);
   EXPECT_LT(sample.error_bound, 0.05 * sample.force.norm());
   EXPECT_GT(single.evaluate(5 * s, p).error_bound, 2 * sample.error_bound) << "farther away";
