@@ -8,15 +8,19 @@ import os
 from collections.abc import Callable, Iterator
 from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 try:
     import numpy as np
-    import numpy.typing as npt
 except ModuleNotFoundError as missing:
     raise ImportError("palpate needs NumPy: install python3-numpy (or pip install numpy)") from missing
 
-Numbers = npt.NDArray[np.float64]
+if TYPE_CHECKING:  # NumPy of Debian 11 has no numpy.typing
+    import numpy.typing as npt
+
+    Numbers = npt.NDArray[np.float64]
+else:
+    Numbers = np.ndarray
 
 ABI_VERSION = 0
 SONAME = f"libpalpate.so.{ABI_VERSION}"

@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import shlex
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ._library import Error, Numbers
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 #: Names for ``Space.tag`` and ``Space.cause``: the numbers in the file are indices into these.
 TAGS = ("unknown", "expandable", "terminating", "failed")

@@ -6,15 +6,17 @@ import enum
 from collections.abc import Iterable
 from ctypes import POINTER, byref, c_double, c_float, c_void_p
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _library
 from ._library import ByValue, Numbers
 from .dataset import Dataset
 from .live import Live
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 _guards = ("ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late", "beyond")
 

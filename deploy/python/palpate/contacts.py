@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from ctypes import POINTER, byref, c_double, c_uint8, c_void_p
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _library
 from ._library import ByValue, Numbers
 from .contact import ContactOptions, Touch, _options, _shape, _touch
 from .dataset import Dataset, arrays_for
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import os
+import shutil
+import sysconfig
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
 
@@ -40,9 +42,12 @@ class Live(_library.Handle):
         scene: file of the scene. dataset: the dataset of this scene that is corrected. None: a guess without computed data,
         whose forces are marked as not inside.
         period: s, between two updates of the contact.
-        worker: path of the program palpate-worker; None: found in PATH. follower: address of ``palpate follow`` on another
-        machine; None: a worker is started here. keys: folder of the keys for ``follower``; "": none.
+        worker: path of the program palpate-worker; None: found in PATH, or beside Python. follower: address of
+        ``palpate follow`` on another machine; None: a worker is started here. keys: folder of the keys for ``follower``; "": none.
         """
+        if worker is None and follower is None:  # pip installs it there
+            folders = [os.environ.get("PATH", os.defpath), sysconfig.get_path("scripts")]
+            worker = shutil.which("palpate-worker", path=os.pathsep.join(folders))
         options = _library.LiveOptions(period=period, worker=None if worker is None else os.fsencode(worker),
                                        follower=None if follower is None else follower.encode(),
                                        keys=None if keys is None else os.fsencode(keys))
