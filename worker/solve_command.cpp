@@ -21,6 +21,7 @@ struct SolveOptions {
   std::string scene;
   std::string active;
   std::vector<std::string> at, displacement;
+  std::vector<double> hold;
   std::optional<int> steps;
   bool json = false;
 
@@ -31,6 +32,11 @@ struct SolveOptions {
         ->type_name("NAME");
     addPlaceOption(app, at);
     addDisplacementOption(app, displacement);
+    app.add_option(
+           "--hold", hold,
+           "Place and displacement of a second finger that holds the body, m: it comes first")
+        ->expected(6)
+        ->type_name("X Y Z DX DY DZ");
     app.add_option("--steps", steps, "Number of equal steps from rest [one per lattice spacing]")
         ->check(CLI::Range(1, 100000));
     app.add_flag("--json", json, "One JSON object per line (docs/commands.md)");
@@ -55,20 +61,19 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
         vectorText(displacement, 6), diagonal);
 }
 
-/// Solves along the straight path from rest to `target`; by default with one transition per lattice
-/// spacing.
-Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
-                const Eigen::Vector3d& target) {
+/// Solves along the straight path from `start` to `target`; by default with one transition per
+/// lattice spacing. A `start` of nullopt has the failure `why`.
+Reached solveFrom(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
+                  const std::optional<Start>& start, const Failure& why,
+                  const Eigen::Vector3d& target) {
   PALPATE_ASSERT(!steps || *steps > 0, "--steps must be positive");
-  Failure failure;
-  const auto rest = solver.startAtRest(failure);
-  if (!rest) return {failure, {}};
-  const double spacings = target.norm() / problem.scene.workspace.spacing;
-  Outcome outcome = walk(solver, *rest, target,
-                         steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))))
-                        .outcome;
-  ++outcome.cost.factorizations;  // the one of the rest state
-  return outcome;
+  if (!start) return {{why, {}}};
+  const double spacings =
+      (target - start->state.displacement).norm() / problem.scene.workspace.spacing;
+  Reached reached = walk(solver, *start, target,
+                         steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))));
+  ++reached.outcome.cost.factorizations;  // the one of the start
+  return reached;
 }
 
 /// Solves for given displacements of the scene's tool. A finger can be moved between two solves.
@@ -82,6 +87,8 @@ class Solving {
     requirePlace(chosen_, !options.at.empty());
     solver_.chooseTool(chosen_.spaces.front());
     if (finger()) place_ = finger()->center;
+    if (!options.hold.empty() && !finger())
+      throw badInput("--hold needs a finger, but {} is none", chosen_.name);
   }
 
   /// Returns the position of the finger; nullopt for other tools.
@@ -102,12 +109,36 @@ class Solving {
     place_ = moved.center;
   }
 
-  Outcome at(const Eigen::Vector3d& displacement) {
+  Reached at(const Eigen::Vector3d& displacement) {
     refuseMistakenUnit(problem_, displacement);
-    return solveAt(solver_, problem_, options_.steps, displacement);
+    Failure failure;
+    std::optional<Start> start;
+    Cost spent;
+    if (options_.hold.empty()) {
+      start = solver_.startAtRest(failure);
+    } else {
+      const Reached held = hold();
+      spent = held.outcome.cost;
+      if (!held.outcome.converged()) return held;
+      start = solver_.hold(*held.end, {place_.value(), finger()->radius}, failure);
+    }
+    Reached reached = solveFrom(solver_, problem_, options_.steps, start, failure, displacement);
+    reached.outcome.cost += spent;
+    return reached;
   }
 
  private:
+  /// Presses the second finger into the body alone.
+  Reached hold() {
+    const Eigen::Vector3d near(options_.hold.data()), displacement(options_.hold.data() + 3);
+    refuseMistakenUnit(problem_, displacement);
+    solver_.letGo();
+    solver_.placeFinger("--hold", fingerNear("--hold", problem_.mesh, near, finger()->radius));
+    Failure failure;
+    const auto rest = solver_.startAtRest(failure);
+    return solveFrom(solver_, problem_, options_.steps, rest, failure, displacement);
+  }
+
   const std::optional<Finger>& finger() const {
     return problem_.active[chosen_.spaces.front()].finger;
   }
@@ -122,8 +153,9 @@ class Solving {
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 void printJson(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
-               const Eigen::Vector3d& displacement, const Outcome& outcome) {
+               const Eigen::Vector3d& displacement, const Reached& reached) {
   using nlohmann::ordered_json;
+  const Outcome& outcome = reached.outcome;
   const bool found = outcome.converged();
   const Equilibrium e = found ? outcome.equilibrium() : Equilibrium();
   const auto orNull = [](bool known, const ordered_json& value) { return known ? value : nullptr; };
@@ -144,11 +176,13 @@ void printJson(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
     answer["at"] = toJson(*place);
     answer["drive"] = orNull(found, toJson(alongSurface(mesh, *place, e.drive)));
   }
+  if (reached.held) answer["hold_force"] = orNull(found, toJson(reached.held->force));
   fmt::print("{}\n", answer.dump());
 }
 
 void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
-               const Eigen::Vector3d& displacement, const Outcome& outcome) {
+               const Eigen::Vector3d& displacement, const Reached& reached) {
+  const Outcome& outcome = reached.outcome;
   if (place) fmt::print("at            {} m\n", vectorText(*place, 6, " "));
   fmt::print("displacement  {} m\n", vectorText(displacement, 6, " "));
   if (!outcome.converged()) {
@@ -162,6 +196,9 @@ void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
     if (place)
       fmt::print("drive         {} N, along the surface\n",
                  vectorText(alongSurface(mesh, *place, e.drive), 6, " "));
+    if (reached.held)
+      fmt::print("force on hold {} N   ({:.6g} N)\n", vectorText(reached.held->force, 6, " "),
+                 reached.held->force.norm());
     fmt::print("energy        {:.6g} J\nmin det F     {:.4g}\n", e.energy, e.min_det_F);
   }
   fmt::print("cost          {}, {}, {:.3f} s\n",
@@ -197,10 +234,10 @@ ExitCode solve(const SolveOptions& options) {
   forEachTouch(options.at, options.displacement, std::cin, radius, [&](const TouchInput& touch) {
     try {
       if (touch.at) solving.moveTo(*touch.at);
-      const Outcome outcome = solving.at(touch.displacement);
-      all_converged &= outcome.converged();
+      const Reached reached = solving.at(touch.displacement);
+      all_converged &= reached.outcome.converged();
       (options.json ? printJson : printText)(problem.mesh, solving.place(), touch.displacement,
-                                             outcome);
+                                             reached);
     } catch (const Error& error) {
       if (!of_many || error.exitCode() != ExitCode::usage) throw;
       all_converged = false;

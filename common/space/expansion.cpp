@@ -11,9 +11,23 @@ Eigen::Vector3d twice(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
   return slope.transpose() * products;
 }
 
+/// Adds the terms of a hold that moves by dh.
+void addHold(const Held& held, const Eigen::Vector3d& ds, const Eigen::Vector3d& dp,
+             const Eigen::Vector3d& dh, Expansion::Sample& sample) {
+  const Eigen::Vector3d force = held.force_by_hold * dh, drive = held.drive_by_hold * dh,
+                        of_hold = held.stiffness * dh;
+  sample.energy -= held.force.dot(dh) + 0.5 * of_hold.dot(dh) + force.dot(dp) + drive.dot(ds);
+  sample.force += force;
+  sample.drive += drive;
+  sample.hold_force = held.force + of_hold + held.force_by_hold.transpose() * dp +
+                      held.drive_by_hold.transpose() * ds;
+  sample.last_terms += force.norm();
+}
+
 }  // namespace
 
-Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
+Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                                const std::optional<Hold>& hold) const noexcept {
   const Equilibrium& e = equilibrium;
   const Eigen::Vector3d ds = s - place, dp = p - displacement;
   const Eigen::Vector3d force_by_p = e.stiffness * dp,
@@ -32,6 +46,7 @@ Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d&
   sample.drive = e.drive + e.drive_stiffness * dp + drive_by_s + 0.5 * twice(e.stiffness_by_s, dp) +
                  symmetricOf(e.drive_slope_by_p * dp) * ds;
   sample.last_terms = third.norm();
+  if (held && hold) addHold(*held, ds, dp, hold->displacement - held->at.displacement, sample);
   return sample;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "common/space/expansion.hpp"
 
 namespace palpate {
@@ -10,6 +12,7 @@ struct HandMotion {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
   Eigen::Vector3d place_speed = Eigen::Vector3d::Zero();   ///< m/s
   Eigen::Vector3d displacement_speed = Eigen::Vector3d::Zero();  ///< m/s
+  std::optional<Hold> hold = {};  ///< a second finger that holds the body
 };
 
 /// The equilibrium near a hand, or a Failure if there is none, and the cost of the solve.

@@ -495,11 +495,26 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
   return Outcome{*failure, cost};
 }
 
+namespace {
+
+void toWire(const Hold& hold, wire::Hold& message) {
+  setVector(hold.place, *message.mutable_place());
+  setVector(hold.displacement, *message.mutable_displacement());
+}
+
+bool readHold(const wire::Hold& message, Hold& hold) {
+  return readMatrix(message.place(), hold.place) &&
+         readMatrix(message.displacement(), hold.displacement);
+}
+
+}  // namespace
+
 void toWire(const HandMotion& hand, wire::HandMotion& message) {
   setVector(hand.place, *message.mutable_place());
   setVector(hand.displacement, *message.mutable_displacement());
   setVector(hand.place_speed, *message.mutable_place_speed());
   setVector(hand.displacement_speed, *message.mutable_displacement_speed());
+  if (hand.hold) toWire(*hand.hold, *message.mutable_hold());
 }
 
 std::optional<HandMotion> fromWire(const wire::HandMotion& message) {
@@ -507,7 +522,8 @@ std::optional<HandMotion> fromWire(const wire::HandMotion& message) {
   const bool valid = readMatrix(message.place(), hand.place) &&
                      readMatrix(message.displacement(), hand.displacement) &&
                      readMatrix(message.place_speed(), hand.place_speed) &&
-                     readMatrix(message.displacement_speed(), hand.displacement_speed);
+                     readMatrix(message.displacement_speed(), hand.displacement_speed) &&
+                     (!message.has_hold() || readHold(message.hold(), hand.hold.emplace()));
   return valid ? std::optional(hand) : std::nullopt;
 }
 
@@ -519,6 +535,13 @@ void toWire(const Followed& followed, wire::Followed& message) {
   setVector(expansion.place, *message.mutable_place());
   setVector(expansion.displacement, *message.mutable_displacement());
   toWire(expansion.equilibrium, *message.mutable_equilibrium());
+  if (!expansion.held) return;
+  wire::Held& held = *message.mutable_held();
+  toWire(expansion.held->at, *held.mutable_at());
+  setVector(expansion.held->force, *held.mutable_force());
+  held.set_stiffness(matrixBytes(expansion.held->stiffness));
+  held.set_force_by_hold(matrixBytes(expansion.held->force_by_hold));
+  held.set_drive_by_hold(matrixBytes(expansion.held->drive_by_hold));
 }
 
 std::optional<Followed> fromWire(const wire::Followed& message) {
@@ -530,8 +553,15 @@ std::optional<Followed> fromWire(const wire::Followed& message) {
   if (!message.has_equilibrium()) return std::nullopt;
   const auto equilibrium = fromWire(message.equilibrium());
   Expansion expansion;
+  const auto isHeld = [](const wire::Held& given, Held& held) {
+    return readHold(given.at(), held.at) && readMatrix(given.force(), held.force) &&
+           readMatrix(given.stiffness(), held.stiffness) &&
+           readMatrix(given.force_by_hold(), held.force_by_hold) &&
+           readMatrix(given.drive_by_hold(), held.drive_by_hold);
+  };
   const bool valid = equilibrium && readMatrix(message.place(), expansion.place) &&
-                     readMatrix(message.displacement(), expansion.displacement);
+                     readMatrix(message.displacement(), expansion.displacement) &&
+                     (!message.has_held() || isHeld(message.held(), expansion.held.emplace()));
   if (!valid) return std::nullopt;
   expansion.equilibrium = *equilibrium;
   return Followed{expansion, cost};

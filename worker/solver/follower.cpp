@@ -19,6 +19,7 @@ constexpr double newest_share = 0.3;
 /// Distance from the last equilibrium, in finger radii, beyond which the path from rest is shorter
 /// than the path along the surface.
 constexpr double far_away = 2;
+constexpr const char* finger_name = "hand";  ///< in messages
 
 }  // namespace
 
@@ -34,18 +35,45 @@ HandMotion Follower::aimed(const HandMotion& hand) const {
 }
 
 bool Follower::isNear(const HandMotion& aim) const {
-  return at_ && (aim.place - at_->place).norm() <= far_away * radius_ &&
-         (aim.displacement - at_->state.displacement).norm() <= far_away * radius_;
+  const auto isNear = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return (a - b).norm() <= far_away * radius_;
+  };
+  if (!at_ || aim.hold.has_value() != hold_.has_value()) return false;
+  const bool is_held_alike = !hold_ || (aim.hold->place == hold_->place &&
+                                        isNear(aim.hold->displacement, hold_->displacement));
+  return is_held_alike && isNear(aim.place, at_->place) &&
+         isNear(aim.displacement, at_->state.displacement);
+}
+
+Reached Follower::pathFrom(const Start& start, const Eigen::Vector3d& target) {
+  const double spacings =
+      (target - start.state.displacement).norm() / problem_.scene.workspace.spacing;
+  return walk(solver_, start, target, std::max(1, static_cast<int>(std::ceil(spacings))),
+              Rescue::none);
 }
 
 Reached Follower::fromRest(const Finger& finger, const Eigen::Vector3d& target) {
-  solver_.placeFinger("hand", finger);
+  solver_.placeFinger(finger_name, finger);
   Reached reached;
   const auto rest = solver_.startAtRest(reached.outcome.failure());
-  if (!rest) return reached;
-  const double spacings = target.norm() / problem_.scene.workspace.spacing;
-  return walk(solver_, *rest, target, std::max(1, static_cast<int>(std::ceil(spacings))),
-              Rescue::none);
+  return rest ? pathFrom(*rest, target) : reached;
+}
+
+Reached Follower::fromRest(const Finger& finger, const HandMotion& aim) {
+  solver_.letGo();
+  if (!aim.hold) return fromRest(finger, aim.displacement);
+  const Finger holding = fingerNear("the hold", problem_.mesh, aim.hold->place, radius_);
+  Reached held = fromRest(holding, aim.hold->displacement);
+  if (!held.outcome.converged()) return held;
+  Failure failure;
+  const auto start = solver_.hold(*held.end, finger, failure);
+  Reached reached;
+  if (start)
+    reached = pathFrom(*start, aim.displacement);
+  else
+    reached.outcome.end = failure;
+  reached.outcome.cost += held.outcome.cost;
+  return reached;
 }
 
 Followed Follower::follow(const HandMotion& hand) {
@@ -63,21 +91,25 @@ Followed Follower::follow(const HandMotion& hand) {
 }
 
 Followed Follower::solveAt(const HandMotion& aim) {
-  const Finger finger = fingerNear("hand", problem_.mesh, aim.place, radius_);
+  const Finger finger = fingerNear(finger_name, problem_.mesh, aim.place, radius_);
   Reached reached;
   Cost spent;
   if (isNear(aim)) {
-    reached = solver_.follow(*at_, finger, aim.displacement);
+    reached = solver_.follow(*at_, finger, aim.displacement,
+                             aim.hold ? aim.hold->displacement : Eigen::Vector3d::Zero());
     spent = reached.outcome.cost;
   }
   if (!reached.outcome.converged()) {
-    reached = fromRest(finger, aim.displacement);
+    reached = fromRest(finger, aim);
     spent += reached.outcome.cost;
   }
   usual_seconds_ += newest_share * (spent.seconds - usual_seconds_);
   if (!reached.outcome.converged()) return {reached.outcome.failure(), spent};
   at_ = std::move(reached.end);
-  return {Expansion{finger.center, aim.displacement, reached.outcome.equilibrium()}, spent};
+  hold_ = aim.hold;
+  if (reached.held) reached.held->at = *aim.hold;
+  return {Expansion{finger.center, aim.displacement, reached.outcome.equilibrium(), reached.held},
+          spent};
 }
 
 }  // namespace palpate

@@ -17,8 +17,10 @@ class Follower {
 
   /// Predicts the position of the hand after 1.5 times the expected duration of a solve, and solves
   /// for the equilibrium there. Starts from rest if there is no equilibrium yet, if the hand is far
-  /// from the last equilibrium, or if the transition from it fails. Error (bad input) if no finger
-  /// can be at the hand's place, for instance beside fixed nodes.
+  /// from the last equilibrium, if a hold begins, ends or moves to another place, or if the
+  /// transition from the last equilibrium fails. From rest, the hold comes first and then the hand.
+  /// Error (bad input) if no finger can be at the hand's place or that of the hold, for instance
+  /// beside fixed nodes.
   Followed follow(const HandMotion& hand);
 
   /// Forgets the last equilibrium. Call it when the hand has left the body.
@@ -28,12 +30,15 @@ class Follower {
   HandMotion aimed(const HandMotion& hand) const;
   Followed solveAt(const HandMotion& aim);
   bool isNear(const HandMotion& aim) const;
+  Reached pathFrom(const Start& start, const Eigen::Vector3d& target);
   Reached fromRest(const Finger& finger, const Eigen::Vector3d& target);
+  Reached fromRest(const Finger& finger, const HandMotion& aim);
 
   const Problem& problem_;
   const double radius_;
   TransitionSolver solver_;
-  std::optional<Start> at_;  ///< the last equilibrium
+  std::optional<Start> at_;   ///< the last equilibrium
+  std::optional<Hold> hold_;  ///< the hold in the last equilibrium
   double usual_seconds_ = 0;
 };
 

@@ -68,6 +68,7 @@ Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d
                    "a converged transition must end at its target");
     path.min_det_F = std::min(path.min_det_F, path.outcome.equilibrium().min_det_F);
     path.end = std::move(reached.end);
+    path.held = reached.held;
     at = &*path.end;
   }
   path.outcome.cost = total;

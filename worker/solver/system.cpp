@@ -66,16 +66,40 @@ const Tool* System::weightedTool() const {
 }
 
 void System::releaseTool() {
+  hold_.reset();
+  clearTool();
+}
+
+void System::clearTool() {
   if (const Tool* rigid = rigidTool()) sums_.hold(rigid->nodes, idle_, false);
   idle_.clear();
   border_.resize(unknowns(), 0);
   tool_.reset();
 }
 
+void System::hold(std::optional<Tool> tool) {
+  PALPATE_ASSERT(!tool || weightedTool(), "only beside a weighted tool can another one hold");
+  hold_ = std::move(tool);
+  setBorder();
+}
+
+/// Sets the border of the hold and the chosen tool.
+void System::setBorder() {
+  border_.setZero(unknowns(), (hold_ ? 3 : 0) + (weightedTool() ? 3 : 0));
+  const auto add = [&](const Tool& tool, Eigen::Index column) {
+    for (std::size_t n = 0; n < tool.nodes.size(); ++n)
+      for (int i = 0; i < 3; ++i)
+        border_(unknowns_.at({tool.nodes[n], i}), column + i) = -tool.weights[n];
+  };
+  if (hold_) add(*hold_, 0);
+  if (const Tool* weighted = weightedTool()) add(*weighted, border_.cols() - 3);
+}
+
 void System::chooseTool(Tool tool) {
   PALPATE_ASSERT(tool.weights.empty() || tool.weights.size() == tool.nodes.size(),
                  "a weighted tool needs a weight for each of its nodes");
-  releaseTool();
+  PALPATE_ASSERT(!hold_ || !tool.weights.empty(), "a rigid tool cannot move a held body");
+  clearTool();
   tool_ = std::move(tool);
   if (const Tool* rigid = rigidTool()) {
     idle_ = idlePressures(model_, pressures_, rigid->nodes);
@@ -84,18 +108,15 @@ void System::chooseTool(Tool tool) {
     });
     sums_.hold(rigid->nodes, idle_, true);
   }
-  if (const Tool* weighted = weightedTool()) {
-    border_.setZero(unknowns(), 3);
-    for (std::size_t n = 0; n < weighted->nodes.size(); ++n)
-      for (int i = 0; i < 3; ++i)
-        border_(unknowns_.at({weighted->nodes[n], i}), i) = -weighted->weights[n];
-  }
+  if (weightedTool()) setBorder();
 }
 
 void System::setRest(const State& rest) {
   rest_ = rest;
   rest_.displacement.setZero();
   rest_.multiplier.setZero();
+  rest_.held_displacement.setZero();
+  rest_.held_multiplier.setZero();
   energy_at_rest_ = 0;
   Residual residual;
   assemble(rest_, residual);
@@ -120,6 +141,7 @@ State System::moved(const State& state, const Eigen::VectorXd& step, double fact
     for (const std::int32_t node : rigid->nodes)
       ofNode(next.u, node) = ofNode(rest_.u, node) + displacement;
   if (weightedTool()) next.multiplier += factor * step.tail<3>();
+  if (hold_) next.held_multiplier += factor * step.segment<3>(unknowns());
   return next;
 }
 
@@ -192,6 +214,15 @@ void System::assemble(const State& state, const Neighborhood& near, Eigen::Vecto
     tangent(entry.row, entry.column) = tangent(entry.column, entry.row) = sums_.entry(entry.number);
 }
 
+/// Returns p - B (u - u_rest) of a weighted tool, metres.
+Eigen::Vector3d System::gapOf(const Tool& tool, const State& state,
+                              const Eigen::Vector3d& p) const {
+  Eigen::Vector3d gap = p;
+  for (std::size_t n = 0; n < tool.nodes.size(); ++n)
+    gap -= tool.weights[n] * (ofNode(state.u, tool.nodes[n]) - ofNode(rest_.u, tool.nodes[n]));
+  return gap;
+}
+
 void System::finishResidual(const State& state, Residual& residual) const {
   residual.energy -= energy_at_rest_;
   residual.free.resize(unknowns() + multipliers());
@@ -200,16 +231,19 @@ void System::finishResidual(const State& state, Residual& residual) const {
   residual.tool = sums_.toolRows();
   double scaled_gap = 0;
   if (const Tool* weighted = weightedTool()) {
-    Eigen::Vector3d gap = state.displacement;
-    for (std::size_t n = 0; n < weighted->nodes.size(); ++n) {
-      const std::int32_t node = weighted->nodes[n];
-      gap -= weighted->weights[n] * (ofNode(state.u, node) - ofNode(rest_.u, node));
-    }
-    forces += border_ * state.multiplier;
+    const Eigen::Vector3d gap = gapOf(*weighted, state, state.displacement);
+    forces += border_.rightCols<3>() * state.multiplier;
     residual.free.tail<3>() = gap;
     residual.energy += state.multiplier.dot(gap);
     residual.tool = state.multiplier;
     scaled_gap = forceScale() / mean_edge_ * gap.norm();
+  }
+  if (hold_) {
+    const Eigen::Vector3d gap = gapOf(*hold_, state, state.held_displacement);
+    forces += border_.leftCols<3>() * state.held_multiplier;
+    residual.free.segment<3>(unknowns()) = gap;
+    residual.energy += state.held_multiplier.dot(gap);
+    scaled_gap = std::hypot(scaled_gap, forceScale() / mean_edge_ * gap.norm());
   }
   residual.norm = std::hypot(forces.norm(), scaled_gap);
 }
@@ -223,6 +257,7 @@ void System::finishTangent(Tangent& tangent) const {
   tangent.border = border_;
   tangent.tool_coupling.resize(unknowns() + multipliers(), 3);
   tangent.tool_coupling.topRows(unknowns()) = sums_.toolCoupling();
+  if (hold_) tangent.tool_coupling.middleRows<3>(unknowns()).setZero();
   if (weightedTool()) tangent.tool_coupling.bottomRows<3>().setIdentity();
   tangent.tool = sums_.toolEntries();
 }

@@ -18,10 +18,14 @@ struct State {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
   /// Lagrange multiplier of a weighted tool, N; zero for other tools.
   Eigen::Vector3d multiplier = Eigen::Vector3d::Zero();
+  /// The same two of the hold (System::hold), metres and N; zero without a hold.
+  Eigen::Vector3d held_displacement = Eigen::Vector3d::Zero();
+  Eigen::Vector3d held_multiplier = Eigen::Vector3d::Zero();
 };
 
 /// The residual of the equations at one state. Vectors over the unknowns have unknowns() +
-/// multipliers() rows; the multipliers of a weighted tool are the last rows.
+/// multipliers() rows; the multipliers of the hold and then those of a weighted tool are the last
+/// rows.
 struct Residual {
   /// dL/d(unknown), newtons; pressure rows are scaled to newtons. Zero in rows of unknowns that the
   /// tool holds. Multiplier rows contain the gap p - B (u - u_rest), metres, where B has the
@@ -44,7 +48,7 @@ struct Tangent {
   /// K, one value per entry of System::pattern(). In the row of an unknown that the tool holds,
   /// only the diagonal is not zero.
   std::vector<double> values;
-  Eigen::MatrixXd border;  ///< unknowns() x multipliers(), -B^T
+  Eigen::MatrixXd border;  ///< unknowns() x multipliers(), -B^T of the hold and of the tool
   /// d(Residual::free)/dp, N/m. For a rigid tool this is K_fa, the block of K between free unknowns
   /// f and the tool a. For a weighted tool it is zero, except for the identity in the multiplier
   /// rows.
@@ -68,6 +72,8 @@ struct Neighborhood {
 /// The discretised body. Assembles energy, residual and tangent of
 ///
 ///   L(u, q) - load . u  [+ multiplier . (p - B (u - u_rest))  with a weighted tool, B the weights]
+///
+/// A hold adds a term of the same form.
 ///
 /// Unknowns that a rigid tool holds stay in the matrix, in rows that have only a diagonal entry.
 /// These include the pressures that are undetermined while the tool holds its nodes
@@ -110,11 +116,16 @@ class System {
   /// residual is relative to totalLoad() + forceScale().
   double totalLoad() const { return total_load_; }
 
-  /// Choose the tool that moves the body, or none. No node of the tool may be fixed. An index
-  /// selects one of BodyModel::tools.
+  /// Choose the tool that moves the body, or none, which also ends a hold. No node of the tool may
+  /// be fixed. An index selects one of BodyModel::tools.
   void chooseTool(Tool tool);
   void chooseTool(std::size_t tool) { chooseTool(model_.tools.at(tool)); }
   void releaseTool();
+  /// Lets a second weighted tool hold the body while the chosen tool moves it: its weighted mean
+  /// displacement stays at State::held_displacement. nullopt: nothing holds the body. The chosen
+  /// tool must be weighted too, and must not have the same weights.
+  void hold(std::optional<Tool> tool);
+  bool isHeld() const { return hold_.has_value(); }
   const std::optional<Tool>& tool() const { return tool_; }  ///< the chosen tool
 
   /// Multiplies the loads by this factor, 1 by default.
@@ -159,6 +170,9 @@ class System {
   void finishTangent(Tangent& tangent) const;
   const Tool* rigidTool() const;
   const Tool* weightedTool() const;
+  void clearTool();
+  void setBorder();
+  Eigen::Vector3d gapOf(const Tool& tool, const State& state, const Eigen::Vector3d& p) const;
 
   // Each member is made from earlier ones, and sums_ keeps references, so the order matters.
   const BodyModel model_;
@@ -172,7 +186,7 @@ class System {
   const SparsityPattern pattern_;
   mutable Assembler sums_;  ///< sums of the assembly in progress
 
-  std::optional<Tool> tool_;
+  std::optional<Tool> tool_, hold_;
   std::vector<std::int32_t> idle_;  ///< idlePressures of a rigid tool_ that are unknowns
   Eigen::MatrixXd border_;          ///< Tangent::border
   double load_factor_ = 1;

@@ -54,12 +54,12 @@ bool TangentSolver::eliminateBorder() {
   if (border_.cols() == 0) return true;
   inverse_border_ = border_;
   if (!solver_->solve(inverse_border_)) return false;
-  const Eigen::Matrix3d complement = border_.transpose() * inverse_border_;
+  const Eigen::MatrixXd complement = border_.transpose() * inverse_border_;
   if (!complement.allFinite()) return false;
   complement_.compute(complement);
   // By Sylvester's law, the inertia of [K B; B^T 0] is the sum of the inertias of K and of -B^T
   // K^-1 B.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(complement, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(complement, Eigen::EigenvaluesOnly);
   factorization_.negative_pivots +=
       static_cast<std::int32_t>((eigen.eigenvalues().array() > 0).count());
   return true;

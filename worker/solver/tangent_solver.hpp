@@ -10,8 +10,9 @@ namespace palpate {
 /// Factorises tangents with their border (Tangent). Solves linear systems with the last factorised
 /// tangent, or with a tangent near it.
 ///
-/// The border of a weighted tool is eliminated: K is factorised alone, and the 3 x 3 complement
-/// border^T K^-1 border closes the system. Vectors have System::unknowns() + multipliers() rows.
+/// The border of weighted tools is eliminated: K is factorised alone, and the complement border^T
+/// K^-1 border, 3 x 3 or 6 x 6, closes the system. Vectors have System::unknowns() + multipliers()
+/// rows.
 ///
 /// Factors are in single precision if the pressure is stabilised or absent. Unstabilised pairs of
 /// spaces make the pressure block zero and get double precision, as do bodies with a nearly rigid
@@ -62,7 +63,7 @@ class TangentSolver {
   std::int32_t pivots_of_K_ = 0;  ///< number of negative pivots of K
   // The border of the last factorised tangent, K^-1 border, and border^T K^-1 border.
   Eigen::MatrixXd border_, inverse_border_;
-  Eigen::PartialPivLU<Eigen::Matrix3d> complement_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> complement_;
 };
 
 }  // namespace palpate

@@ -60,7 +60,7 @@ Weighted weighted(const FingerWeights& finger, Displacement displacement) {
 void setThirdDerivatives(const System& system, const State& state,
                          const Eigen::MatrixXd& sensitivity, const FingerWeights& finger,
                          Equilibrium& equilibrium) {
-  PALPATE_ASSERT(sensitivity.cols() == 6 && system.multipliers() == 3, "the tool must be a finger");
+  PALPATE_ASSERT(sensitivity.cols() == 6 && system.multipliers() >= 3, "the tool must be a finger");
   const SixColumns x = sensitivity.topRows(system.unknowns());
   const Eigen::Matrix<double, 3, 6> multiplier = sensitivity.bottomRows<3>();
   std::array<Pairs, 3> element;

@@ -96,14 +96,15 @@ struct TransitionSolver::Step {
   bool easy = false;  ///< Newton took few tangents; the next step may be longer
   // Only for an accepted step:
   Equilibrium equilibrium;
+  std::optional<Held> held;
   Start end;
 };
 
 /// The linearised equations at a state to which Newton converged.
 struct TransitionSolver::Linearization {
   Tangent tangent;
-  /// -d(Residual::free)/dp. At the end of a finger's transition the columns of slopeByPlace()
-  /// follow.
+  /// -d(Residual::free)/dp. At the end of a finger's transition the columns of slopeByPlace() and,
+  /// with a hold, the derivatives with respect to its displacement follow.
   Eigen::MatrixXd right_hand_sides;
   TangentSolver::Refined sensitivity;  ///< solution for these right-hand sides
 };
@@ -220,7 +221,8 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   Start start = {std::move(state), std::move(sensitivity->solution)};
   // The multiplier that balances the body best (least squares). At an equilibrium it is the
   // multiplier of the equilibrium.
-  if (system_.multipliers() > 0) {
+  // Beside a hold, the tool starts without force.
+  if (system_.multipliers() > 0 && !system_.isHeld()) {
     const Eigen::Matrix3d weight = tangent.border.transpose() * tangent.border;
     start.exerted = start.state.multiplier -
                     weight.inverse() *
@@ -298,9 +300,9 @@ Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
 void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
                                 const TangentSolver::Refined& refined,
                                 Equilibrium& equilibrium) const {
-  const auto by_p = refined.solution.leftCols<3>(), by_s = refined.solution.rightCols<3>();
+  const auto by_p = refined.solution.leftCols<3>(), by_s = refined.solution.middleCols<3>(3);
   const auto left_by_p = refined.residual.leftCols<3>(),
-             left_by_s = refined.residual.rightCols<3>();
+             left_by_s = refined.residual.middleCols<3>(3);
   Eigen::Matrix3d slope = r.transpose() * by_s - by_s.transpose() * left_by_s;
   const State& rest = system_.restState();
   for (std::size_t n = 0; n < finger_->nodes.size(); ++n) {
@@ -328,8 +330,12 @@ Cause TransitionSolver::judge(NewtonResult& newton, Use use, Linearization& here
     return Cause::inverted_element;
   here.right_hand_sides = -here.tangent.tool_coupling;
   if (use != Use::passed && finger_) {
-    here.right_hand_sides.conservativeResize(Eigen::NoChange, 6);
-    here.right_hand_sides.rightCols<3>() = slopeByPlace(newton.state);
+    here.right_hand_sides.conservativeResize(Eigen::NoChange, system_.isHeld() ? 9 : 6);
+    here.right_hand_sides.middleCols<3>(3) = slopeByPlace(newton.state);
+    if (system_.isHeld()) {
+      here.right_hand_sides.rightCols<3>().setZero();
+      here.right_hand_sides.block<3, 3>(system_.unknowns(), 6) = -Eigen::Matrix3d::Identity();
+    }
   }
   auto sensitivity = solveSensitivity(newton, here.tangent, here.right_hand_sides,
                                       use == Use::stored ? sensitivity_tolerance
@@ -359,11 +365,24 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
   equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
   equilibrium.energy = newton.residual.energy;
   equilibrium.min_det_F = newton.residual.min_det_F;
-  if (here.right_hand_sides.cols() == 6) {
-    setDrive(newton.state, here.right_hand_sides.rightCols<3>(), here.sensitivity, equilibrium);
-    setThirdDerivatives(system_, newton.state, here.sensitivity.solution, *finger_, equilibrium);
+  if (here.right_hand_sides.cols() >= 6) {
+    setDrive(newton.state, here.right_hand_sides.middleCols<3>(3), here.sensitivity, equilibrium);
+    setThirdDerivatives(system_, newton.state, here.sensitivity.solution.leftCols<6>(), *finger_,
+                        equilibrium);
   }
   return equilibrium;
+}
+
+/// Returns the derivatives of the energy with respect to the displacement of the hold. They follow
+/// from dE/dh = multiplier of the hold, and from the symmetry of second derivatives (setDrive).
+Held TransitionSolver::heldAt(const State& state, const Linearization& here) const {
+  const Eigen::MatrixXd by_hold = here.sensitivity.solution.rightCols<3>();
+  const Eigen::Matrix3d stiffness = -by_hold.middleRows<3>(system_.unknowns());
+  return {.at = {hold_place_, state.held_displacement},
+          .force = -state.held_multiplier,
+          .stiffness = 0.5 * (stiffness + stiffness.transpose()),
+          .force_by_hold = -by_hold.bottomRows<3>(),
+          .drive_by_hold = here.right_hand_sides.middleCols<3>(3).transpose() * by_hold};
 }
 
 /// Makes the state to which Newton converged the end of `step`. Returns Cause::none, or why the
@@ -376,8 +395,12 @@ Cause TransitionSolver::accept(NewtonResult& newton, Use use, Step& step) {
   step.end = {std::move(newton.state), here.sensitivity.solution.leftCols<3>(),
               -step.equilibrium.force};
   if (use != Use::passed && finger_) {
-    step.end.sensitivity_by_place = here.sensitivity.solution.rightCols<3>();
+    step.end.sensitivity_by_place = here.sensitivity.solution.middleCols<3>(3);
     step.end.place = place_;
+    if (system_.isHeld()) {
+      step.held = heldAt(step.end.state, here);
+      step.end.sensitivity_by_hold = here.sensitivity.solution.rightCols<3>();
+    }
   }
   return Cause::none;
 }
@@ -503,6 +526,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
     if (tried.failure.cause == Cause::none) {
       reached.outcome.end = Configuration{tried.equilibrium, tried.failure.residual, {}};
       reached.end = std::move(tried.end);
+      reached.held = tried.held;
       from = &*reached.end;
       at = next;
       if (at >= unstable_at) unstable.reset();
@@ -530,13 +554,34 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   return reached;
 }
 
+std::optional<Start> TransitionSolver::hold(const Start& end, const Finger& second,
+                                            Failure& failure) {
+  PALPATE_ASSERT(finger_ && !system_.isHeld(), "only one finger can hold the body");
+  State state = end.state;
+  state.held_displacement = state.displacement;
+  state.held_multiplier = state.multiplier;
+  hold_place_ = place_;
+  const Tool holding = tool_;
+  placeFinger("the second finger", second);
+  system_.hold(holding);
+  state.displacement.setZero();
+  state.multiplier.setZero();
+  for (std::size_t n = 0; n < tool_.nodes.size(); ++n)
+    state.displacement += tool_.weights[n] * (ofNode(state.u, at(tool_.nodes[n])) -
+                                              ofNode(system_.restState().u, at(tool_.nodes[n])));
+  return linearize(std::move(state), failure);
+}
+
+void TransitionSolver::letGo() { system_.hold(std::nullopt); }
+
 Reached TransitionSolver::follow(const Start& start, const Finger& finger,
-                                 const Eigen::Vector3d& target) {
+                                 const Eigen::Vector3d& target, const Eigen::Vector3d& held) {
   PALPATE_ASSERT(start.sensitivity_by_place.cols() == 3,
                  "the start must have derivatives with respect to the finger's place");
   const double began = threadSeconds();
   const Eigen::Vector3d way = target - start.state.displacement,
-                        slide = finger.center - start.place;
+                        slide = finger.center - start.place,
+                        held_way = held - start.state.held_displacement;
   Reached reached;
   Cost& cost = reached.outcome.cost;
   const Start* from = &start;
@@ -549,15 +594,22 @@ Reached TransitionSolver::follow(const Start& start, const Finger& finger,
     placeFinger("finger", moved);
     const Eigen::Vector3d p =
         last ? target : Eigen::Vector3d(start.state.displacement + next * way);
-    const Eigen::VectorXd predictor = from->sensitivity * (p - from->state.displacement) +
-                                      from->sensitivity_by_place * (moved.center - from->place);
+    Eigen::VectorXd predictor = from->sensitivity * (p - from->state.displacement) +
+                                from->sensitivity_by_place * (moved.center - from->place);
+    State begun = from->state;
+    if (system_.isHeld()) {
+      begun.held_displacement = start.state.held_displacement + next * held_way;
+      predictor +=
+          from->sensitivity_by_hold * (begun.held_displacement - from->state.held_displacement);
+    }
     NewtonOptions options = loosened(options_.newton);
     options.begin_with_old_factors = solver_.useFactorsWith(system_.border());
-    Step tried = solveFrom(system_.moved(from->state, predictor, 1, p), p, Use::felt, options);
+    Step tried = solveFrom(system_.moved(begun, predictor, 1, p), p, Use::felt, options);
     cost += tried.cost;
     if (tried.failure.cause == Cause::none) {
       reached.outcome.end = Configuration{tried.equilibrium, tried.failure.residual, {}};
       reached.end = std::move(tried.end);
+      reached.held = tried.held;
       from = &*reached.end;
       at = next;
     } else {

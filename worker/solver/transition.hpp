@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "common/mesh/finger_weights.hpp"
-#include "common/space/configuration.hpp"
+#include "common/space/expansion.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/newton.hpp"
 #include "worker/solver/system.hpp"
@@ -42,6 +42,7 @@ struct Start {
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
   // Only at the end of a finger's transition:
   Eigen::MatrixXd sensitivity_by_place = {};        ///< d(unknowns and multipliers)/ds, s = place
+  Eigen::MatrixXd sensitivity_by_hold = {};         ///< by the displacement of a hold, or empty
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< of the finger, metres
 };
 
@@ -52,6 +53,7 @@ struct Reached {
   /// outcome's configuration, or after a failure the last one that was reached. Empty if none was
   /// reached.
   std::optional<Start> end = {};
+  std::optional<Held> held = {};  ///< if a second finger holds the body (TransitionSolver::hold)
   // Only for a path:
   int detours = 0;       ///< number of transitions via a point beside the path
   double min_det_F = 1;  ///< smallest det F at the ends of the transitions
@@ -98,14 +100,23 @@ class TransitionSolver {
   /// Outcome::cost does not contain the factorisation of `start`, which all of its targets share.
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
+  /// Lets the finger that reached `end` hold the body there, and chooses a second finger as the
+  /// tool. Returns its start, in the same state of the body, in which the second finger exerts no
+  /// force. On failure returns nullopt and sets `failure`. Errors as from placeFinger(). The hold
+  /// ends with letGo().
+  std::optional<Start> hold(const Start& end, const Finger& second, Failure& failure);
+  void letGo();
+
   /// Moves a finger from `start` to a nearby place of the surface and to a nearby displacement
-  /// `target`, metres. Used by the live solver. Chooses the finger as the tool; errors as from
-  /// placeFinger(). `start`: the end of a follow() or of a finger's reach(). Uses the factors that
-  /// the solver holds as long as they are good enough.
+  /// `target`, metres, and a hold to the displacement `held`, which is ignored without a hold. Used
+  /// by the live solver. Chooses the finger as the tool; errors as from placeFinger(). `start`: the
+  /// end of a follow() or of a finger's reach(). Uses the factors that the solver holds as long as
+  /// they are good enough.
   ///
   /// The outcome is as valid as that of reach(), and lies on the branch of `start`. To save time,
   /// it is accurate to about five digits only, so it must not be stored in a dataset.
-  Reached follow(const Start& start, const Finger& finger, const Eigen::Vector3d& target);
+  Reached follow(const Start& start, const Finger& finger, const Eigen::Vector3d& target,
+                 const Eigen::Vector3d& held = Eigen::Vector3d::Zero());
 
   /// Checks whether a limit point is the reason for a failed transition. The search starts from the
   /// last state that `failed` reached. If there is a limit point, sets the cause in `failed` to
@@ -138,6 +149,7 @@ class TransitionSolver {
   void setDrive(const State& state, const Eigen::MatrixXd& slope_by_place,
                 const TangentSolver::Refined& refined, Equilibrium& equilibrium) const;
   Eigen::MatrixXd slopeByPlace(const State& state) const;
+  Held heldAt(const State& state, const Linearization& here) const;
   std::optional<TangentSolver::Refined> solveSensitivity(NewtonResult& newton,
                                                          const Tangent& tangent,
                                                          const Eigen::MatrixXd& right_hand_sides,
@@ -150,9 +162,10 @@ class TransitionSolver {
   std::optional<std::size_t> space_;     ///< space of the chosen tool; none for a placed finger
   Tool tool_;                            ///< the chosen tool
   std::optional<FingerWeights> finger_;  ///< if the tool is a finger
-  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();  ///< of the finger, metres
-  Neighborhood near_tool_;                           ///< nodes around a rigid tool, otherwise empty
-  bool at_rest_ = false;                             ///< the rest state of the system has been set
+  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();       ///< of the finger, metres
+  Eigen::Vector3d hold_place_ = Eigen::Vector3d::Zero();  ///< of the finger that holds, metres
+  Neighborhood near_tool_;  ///< nodes around a rigid tool, otherwise empty
+  bool at_rest_ = false;    ///< the rest state of the system has been set
 };
 
 }  // namespace palpate

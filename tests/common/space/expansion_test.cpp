@@ -63,6 +63,32 @@ TEST(Expansion, HasForceAndDriveThatAreTheGradientOfItsEnergy) {
   }
 }
 
+TEST(Expansion, HasForcesThatAreTheGradientOfItsEnergyWithAHoldThatMoves) {
+  Expansion expansion = arbitrary();
+  Held& held = expansion.held.emplace();
+  held.at.displacement = {0.1, 0.2, -0.1};
+  held.force = {0.3, -0.7, 0.2};
+  held.stiffness = expansion.equilibrium.stiffness + Eigen::Matrix3d::Identity();
+  held.force_by_hold << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  held.drive_by_hold << 3, 1, 4, 1, 5, 9, 2, 6, 5;
+  const Hold hold = {held.at.place, {0.4, -0.1, 0.3}};
+  const auto here = expansion.at(s, p, hold);
+  constexpr double h = 1e-5;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+    const auto slope = [&](const auto& up, const auto& down) {
+      return (up.energy - down.energy) / (2 * h);
+    };
+    EXPECT_NEAR(slope(expansion.at(s, p + e, hold), expansion.at(s, p - e, hold)), -here.force[i],
+                1e-8);
+    EXPECT_NEAR(slope(expansion.at(s + e, p, hold), expansion.at(s - e, p, hold)), -here.drive[i],
+                1e-8);
+    EXPECT_NEAR(slope(expansion.at(s, p, Hold{hold.place, hold.displacement + e}),
+                      expansion.at(s, p, Hold{hold.place, hold.displacement - e})),
+                -here.hold_force[i], 1e-8);
+  }
+}
+
 TEST(Expansion, HasTheDerivativesOfTheEquilibrium) {
   const Expansion expansion = arbitrary();
   const Equilibrium& e = expansion.equilibrium;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/problem/finger.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -74,6 +75,21 @@ TEST_F(FollowServerTest, AnswersAHandWithTheEquilibriumNearIt) {
     EXPECT_EQ(followed->expansion().displacement, hand_.displacement);
     EXPECT_GT(followed->expansion().equilibrium.force[0], 0);
   }
+}
+
+TEST_F(FollowServerTest, AnswersWithTheForceOnASecondFingerThatHolds) {
+  zmq::socket_t socket = client();
+  ASSERT_TRUE(begin(socket, encodeProblem(problem_)).has_follow_reply());
+  const Eigen::Vector3d place =
+      fingerNear("test", problem_.mesh, {0.02, 0.1, -0.05}, served_radius).center;
+  hand_.hold = Hold{place, {0, -0.005, 0}};
+  const auto followed = fromWire(follow(socket, hand_).followed());
+  ASSERT_TRUE(followed && followed->converged());
+  const Expansion& expansion = followed->expansion();
+  ASSERT_TRUE(expansion.held);
+  EXPECT_EQ(expansion.held->at.place, place);
+  EXPECT_GT(expansion.held->force[1], 0);
+  EXPECT_LT(expansion.held->stiffness(1, 1), 0);
 }
 
 TEST_F(FollowServerTest, SaysThatThereIsNoEquilibriumAndGoesOn) {

@@ -72,6 +72,93 @@ TEST_F(FollowerTest, SaysWhyThereIsNoEquilibriumAndGoesOn) {
   EXPECT_TRUE(follower.follow(hand_).converged());
 }
 
+/// Two fingers on the body, far enough from each other to have different nodes.
+class HeldBody : public FollowerTest {
+ protected:
+  struct Both {
+    Equilibrium equilibrium;
+    Held held;
+  };
+  /// Returns the equilibrium with the second finger moving while the first one holds.
+  Both solve(const HandMotion& holding, const HandMotion& moving) {
+    TransitionSolver solver(problem_, chooseKernels());
+    solver.placeFinger("first", {holding.place, followed_radius});
+    const Reached held = walk(solver, test::startAtRest(solver), holding.displacement, 2);
+    Failure failure;
+    const auto start = solver.hold(*held.end, {moving.place, followed_radius}, failure);
+    EXPECT_TRUE(start) << describe(failure);
+    const Reached reached = walk(solver, *start, moving.displacement, 2);
+    EXPECT_TRUE(reached.outcome.converged()) << describe(reached.outcome.failure());
+    return {reached.outcome.equilibrium(), *reached.held};
+  }
+
+  const HandMotion other_ = {
+      .place = fingerNear("test", problem_.mesh, {0.02, 0.1, -0.05}, followed_radius).center,
+      .displacement = {0.004, -0.011, 0.005}};
+};
+
+TEST_F(HeldBody, HasTheSameForcesWhicheverFingerHolds) {
+  const Both a = solve(hand_, other_), b = solve(other_, hand_);
+  EXPECT_NEAR(a.equilibrium.energy, b.equilibrium.energy, 1e-7 * a.equilibrium.energy);
+  const double force = a.equilibrium.force.norm(), stiffness = a.equilibrium.stiffness.norm();
+  EXPECT_LT((a.equilibrium.force - b.held.force).norm(), 1e-7 * force);
+  EXPECT_LT((a.held.force - b.equilibrium.force).norm(), 1e-7 * force);
+  EXPECT_LT((a.equilibrium.stiffness - b.held.stiffness).norm(), 1e-4 * stiffness);
+  EXPECT_LT((a.held.force_by_hold - b.held.force_by_hold.transpose()).norm(), 1e-4 * stiffness);
+  EXPECT_GT(a.held.force_by_hold.norm(), 1e-3 * stiffness) << "the fingers must feel each other";
+}
+
+TEST_F(HeldBody, HasTheDerivativesOfItsEnergyWithRespectToTheHold) {
+  const Both here = solve(other_, hand_);
+  const double step = 1e-4;
+  for (int axis = 0; axis < 3; ++axis) {
+    HandMotion up = other_, down = other_;
+    up.displacement[axis] += step;
+    down.displacement[axis] -= step;
+    const Both above = solve(up, hand_), below = solve(down, hand_);
+    const auto slope = [&](const auto& high, const auto& low) -> Eigen::Vector3d {
+      return (high - low) / (2 * step);
+    };
+    const double stiffness = here.held.stiffness.norm();
+    EXPECT_NEAR((above.equilibrium.energy - below.equilibrium.energy) / (2 * step),
+                -here.held.force[axis], 1e-4 * here.held.force.norm());
+    EXPECT_LT((slope(above.held.force, below.held.force) - here.held.stiffness.col(axis)).norm(),
+              1e-4 * stiffness);
+    EXPECT_LT((slope(above.equilibrium.force, below.equilibrium.force) -
+               here.held.force_by_hold.col(axis))
+                  .norm(),
+              1e-4 * stiffness);
+    EXPECT_LT((slope(above.equilibrium.drive, below.equilibrium.drive) -
+               here.held.drive_by_hold.col(axis))
+                  .norm(),
+              1e-4 * stiffness);
+  }
+}
+
+TEST_F(HeldBody, IsFollowedWhileBothFingersMove) {
+  Follower follower(problem_, chooseKernels(), followed_radius);
+  hand_.hold = Hold{other_.place, other_.displacement};
+  for (int n = 0; n < 3; ++n) {
+    const Followed found = follower.follow(hand_);
+    ASSERT_TRUE(found.converged()) << describe(found.failure());
+    const Expansion& expansion = found.expansion();
+    ASSERT_TRUE(expansion.held);
+    const Both exact = solve({.place = other_.place, .displacement = hand_.hold->displacement},
+                             {.place = expansion.place, .displacement = expansion.displacement});
+    EXPECT_LT((expansion.equilibrium.force - exact.equilibrium.force).norm(),
+              1e-4 * exact.equilibrium.force.norm());
+    EXPECT_LT((expansion.held->force - exact.held.force).norm(), 1e-4 * exact.held.force.norm());
+    hand_.place += Eigen::Vector3d(0, 0.003, 0.002);
+    hand_.displacement += Eigen::Vector3d(-0.002, 0, 0.001);
+    hand_.hold->displacement += Eigen::Vector3d(0.001, -0.002, 0);
+  }
+  hand_.hold.reset();
+  const Followed alone = follower.follow(hand_);
+  EXPECT_FALSE(alone.expansion().held);
+  EXPECT_LT((alone.expansion().equilibrium.force - exactAt(alone.expansion()).force).norm(),
+            1e-4 * alone.expansion().equilibrium.force.norm());
+}
+
 TEST_F(FollowerTest, RefusesAPlaceThatIsFixed) {
   Follower follower(problem_, chooseKernels(), followed_radius);
   hand_.place = problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
