@@ -423,6 +423,26 @@ class PythonLive(WithDatasets):
         self.assertTrue(touch.inside)
         self.assertIsExact(touch)
 
+    def testFeelsASecondFingerThatHolds(self):
+        with palpate.Live(self.scene, worker=self.WORKER) as live, palpate.Contact(live.dataset, live=live) as contact:
+            self.press(contact, 1)
+            self.assertTrue(np.isnan(live.hold_force).all())
+            held = np.array((0.05, 0.0, 0.07)), np.array((0.0, 0.004, 0.002))  # on a side of the cube
+            live.hold(*held)
+            touch = self.press(contact, 1, 1)
+            exact = json.loads(self.run_program("solve", self.scene, "--json", "--at", *touch.anchor, "--displacement",
+                                                *touch.displacement, "--hold", *held[0], *held[1]))
+            alone = json.loads(self.run_program("solve", self.scene, "--json", "--at", *touch.anchor, "--displacement",
+                                                *touch.displacement))
+            force = np.linalg.norm(exact["force"])
+            self.assertLess(np.linalg.norm(touch.force - exact["force"]), 0.005 * force)
+            self.assertGreater(np.linalg.norm(touch.force - alone["force"]), 0.02 * force)
+            self.assertLess(np.linalg.norm(live.hold_force - exact["hold_force"]), 0.01 * np.linalg.norm(exact["hold_force"]))
+            live.let_go()
+            self.assertIsExact(self.press(contact, 1, 2))
+            with self.assertRaisesRegex(palpate.Error, "finite"):
+                live.hold((0, 0, np.nan), (0, 0, 0))
+
     def testStartsAKilledSolverAgain(self):
         with palpate.Live(self.scene, worker=self.WORKER) as live, palpate.Contact(live.dataset, live=live) as contact:
             self.press(contact, 1.5)

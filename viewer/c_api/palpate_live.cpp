@@ -5,6 +5,7 @@
 
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/live_scene.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 using namespace palpate;
 
@@ -57,6 +58,28 @@ palpate_status palpate_live_start(const char* scene, const palpate_dataset* data
 }
 
 void palpate_live_stop(palpate_live* live) { delete live; }
+
+palpate_status palpate_live_hold(palpate_live* live, const double place[3],
+                                 const double displacement[3]) {
+  if (!isThere(__func__, "live", live)) return PALPATE_INVALID_ARGUMENT;
+  if (place == nullptr) {
+    live->scene->touch.setHold(std::nullopt);
+    return PALPATE_OK;
+  }
+  if (!isThere(__func__, "displacement", displacement)) return PALPATE_INVALID_ARGUMENT;
+  const Hold hold = {Eigen::Vector3d::Map(place), Eigen::Vector3d::Map(displacement)};
+  if (!hold.place.allFinite() || !hold.displacement.allFinite())
+    return fail(PALPATE_INVALID_ARGUMENT, "{}: place and displacement must be finite", __func__);
+  live->scene->touch.setHold(hold);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_live_hold_force(palpate_live* live, double force[3]) {
+  if (!isThere(__func__, "live", live) || !isThere(__func__, "force", force))
+    return PALPATE_INVALID_ARGUMENT;
+  Eigen::Vector3d::Map(force) = live->scene->touch.holdForce().value_or(nowhere());
+  return PALPATE_OK;
+}
 
 palpate_status palpate_live_dataset(const palpate_live* live, palpate_dataset** dataset) {
   if (!isThere(__func__, "live", live) || !isThere(__func__, "dataset", dataset))

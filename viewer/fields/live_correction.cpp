@@ -24,6 +24,12 @@ constexpr double disagreement_factor = 2, remainder_factor = 2.5;
 /// Relative error of the live solver's force (TransitionSolver::follow).
 constexpr double solver_error = 1e-4;
 
+/// Returns whether both expansions are without a hold, or with holds at the same place.
+bool areHeldAlike(const Expansion& a, const Expansion& b) {
+  return a.held.has_value() == b.held.has_value() &&
+         (!a.held || a.held->at.place == b.held->at.place);
+}
+
 }  // namespace
 
 LiveCorrection::LiveCorrection(double finger_radius) : reach_(reach_radii * finger_radius) {
@@ -31,7 +37,8 @@ LiveCorrection::LiveCorrection(double finger_radius) : reach_(reach_radii * fing
 }
 
 void LiveCorrection::add(const Expansion& expansion, double seconds) noexcept {
-  const Pair next = {{expansion, now_.expansions[0]}, std::min<std::size_t>(now_.size + 1, 2)};
+  const bool is_alone = now_.size == 0 || !areHeldAlike(expansion, now_.expansions[0]);
+  const Pair next = {{expansion, now_.expansions[0]}, is_alone ? 1u : 2u};
   if (level_ >= 1) {
     before_ = now_;
     level_ = 0;
@@ -55,13 +62,36 @@ LiveCorrection::Weight LiveCorrection::weightOf(const Expansion& expansion,
                                                 const Eigen::Vector3d& p) const noexcept {
   const Eigen::Vector3d ds = (s - expansion.place) / reach_,
                         dp = (p - expansion.displacement) / reach_;
-  const double squared = ds.squaredNorm() + dp.squaredNorm();
+  double squared = ds.squaredNorm() + dp.squaredNorm();
+  if (hasThisHold(expansion) && hold_)
+    squared +=
+        (hold_->displacement - expansion.held->at.displacement).squaredNorm() / (reach_ * reach_);
   if (!(squared < 1)) return {};
   const Wendland ending(std::sqrt(squared));
   const double near = squared + softening, factor = softening * softening / (near * near);
   const double by_squared = factor * (0.5 * ending.slope_over_x - 2 * ending.value / near);
   return {factor * ending.value, std::sqrt(squared), 2 * by_squared / reach_ * ds,
           2 * by_squared / reach_ * dp};
+}
+
+bool LiveCorrection::hasThisHold(const Expansion& expansion) const noexcept {
+  return expansion.held.has_value() == hold_.has_value() &&
+         (!hold_ || expansion.held->at.place == hold_->place);
+}
+
+std::optional<Eigen::Vector3d> LiveCorrection::holdForce(const Eigen::Vector3d& s,
+                                                         const Eigen::Vector3d& p) const noexcept {
+  if (!hold_) return std::nullopt;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  double sum = 0;
+  for (std::size_t n = 0; n < now_.size; ++n) {
+    const Expansion& expansion = now_.expansions[n];
+    if (!hasThisHold(expansion)) continue;
+    const double weight = weightOf(expansion, s, p).value;
+    force += weight * expansion.at(s, p, hold_).hold_force;
+    sum += weight;
+  }
+  return sum > 0 ? std::optional(Eigen::Vector3d(force / sum)) : std::nullopt;
 }
 
 double LiveCorrection::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
@@ -94,7 +124,7 @@ double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const E
   double sum = area_weight, energy = area_weight * sample.energy;
   for (std::size_t n = 0; n < pair.size; ++n) {
     weights[n] = weightOf(pair.expansions[n], s, p);
-    samples[n] = pair.expansions[n].at(s, p);
+    samples[n] = pair.expansions[n].at(s, p, hold_);
     sum += weights[n].value;
     energy += weights[n].value * samples[n].energy;
   }
@@ -121,6 +151,8 @@ double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const E
     blended.error_bound += weights[n].value / sum *
                            (disagreement_factor * (samples[n].force - blended.force).norm() +
                             remainder_factor * weights[n].distance * samples[n].last_terms);
+  if (pair.size > 0 && !hasThisHold(pair.expansions[0]))
+    blended.error_bound = std::max(blended.error_bound, blended.force.norm());
   if (share > 0.5) {
     blended.inside = true;
     blended.beyond = 0;

@@ -19,6 +19,9 @@ namespace palpate {
 /// equilibria. When an expansion is added, the blend fades to the new pair. While neither the
 /// expansions nor the fade change, force and drive are the negative gradient of one energy.
 ///
+/// A second finger may hold the body. The expansions depend on its displacement too, the area does
+/// not.
+///
 /// One thread. Real time: does not allocate, lock, throw or log.
 class LiveCorrection {
  public:
@@ -31,6 +34,9 @@ class LiveCorrection {
   /// Begins to fade to the pair of this expansion and the previous one, within `seconds`, 0 or
   /// more. A fade in progress continues at its rate, toward the new pair.
   void add(const Expansion& expansion, double seconds) noexcept;
+  /// Sets the hold, or none. Until an expansion for a hold at this place is added, the old ones are
+  /// used, and the error bound is at least the magnitude of the force.
+  void setHold(const std::optional<Hold>& hold) noexcept { hold_ = hold; }
   void advance(double seconds) noexcept;
   /// Begins to fade to the area alone.
   void release() noexcept;
@@ -40,6 +46,10 @@ class LiveCorrection {
   /// disagreement of the expansions and the size of their last terms.
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                  AreaSample& sample) const noexcept;
+
+  /// Returns the force of the tissue on the hold, N; nullopt if no expansion near (s, p) has it.
+  std::optional<Eigen::Vector3d> holdForce(const Eigen::Vector3d& s,
+                                           const Eigen::Vector3d& p) const noexcept;
 
  private:
   struct Pair {
@@ -53,11 +63,13 @@ class LiveCorrection {
   };
   Weight weightOf(const Expansion& expansion, const Eigen::Vector3d& s,
                   const Eigen::Vector3d& p) const noexcept;
+  bool hasThisHold(const Expansion& expansion) const noexcept;
   double blend(const Pair& pair, const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                AreaSample& sample) const noexcept;
 
   const double reach_;  ///< m
   Pair before_, now_;
+  std::optional<Hold> hold_;
   double level_ = 1;  ///< progress of the fade from before_ to now_, 0 to 1
   double rate_ = 0;   ///< 1/s
 };

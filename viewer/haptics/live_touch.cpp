@@ -35,19 +35,24 @@ void LiveTouch::begin(double period) noexcept {
     // If the hand has left the body meanwhile, the answer is of no use.
     if (last_.touching) correction_.add(answer.expansion, fadeOf(answer.expansion, period));
   }
+  correction_.setHold(holds_.read());
   correction_.advance(period);
 }
 
 /// Returns the duration of the fade to an expansion, s.
 double LiveTouch::fadeOf(const Expansion& expansion, double period) const noexcept {
-  const double change = (expansion.at(last_.place, last_.displacement).force - last_.force).norm();
+  const double change =
+      (expansion.at(last_.place, last_.displacement, last_.hold).force - last_.force).norm();
   const double allowed = std::max(largest_fade_step, largest_fade_share * last_.force.norm());
   // A smooth step is 1.5 times as steep in its middle as a linear one.
   return std::min(1.5 * period * change / allowed, longest_fade);
 }
 
-void LiveTouch::publish(const LiveHand& hand) noexcept {
+void LiveTouch::publish(LiveHand hand) noexcept {
   if (last_.touching && !hand.touching) correction_.release();
+  hand.hold = holds_.read();
+  hold_forces_.write(hand.touching ? correction_.holdForce(hand.place, hand.displacement)
+                                   : std::nullopt);
   last_ = hand;
   hands_.write(hand);
 }

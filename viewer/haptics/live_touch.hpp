@@ -15,6 +15,7 @@ struct LiveHand {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< rest position of the anchor, m
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
   Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< force of the tissue, N
+  std::optional<Hold> hold = {};                           ///< set by LiveTouch
 };
 
 /// Returns the radius of the fingers that touch a model, m. Error (bad input) if the build id of
@@ -39,6 +40,9 @@ struct LiveStatistics {
 /// Passes the state of the hand from the haptic thread to the thread that asks the live solver
 /// (LiveLink), and equilibria back. Wait-free on both sides; only the newest value of each is kept.
 /// Belongs to the areas of one model, whose fingers have the same radius.
+///
+/// A second finger of this radius can hold the body while the hand touches it. It sticks to its
+/// place and also pulls. It has no effect on the hand until the live solver has answered.
 class LiveTouch {
  public:
   /// `finger_radius`: m.
@@ -52,13 +56,20 @@ class LiveTouch {
   /// if it would otherwise take longer than 0.3 s, or if a different equilibrium arrives during the
   /// fade.
   void begin(double period) noexcept;
-  void publish(const LiveHand& hand) noexcept;
+  void publish(LiveHand hand) noexcept;
   /// Corrects a sample of the area and returns the share of the expansions, as
   /// LiveCorrection::correct() does.
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                  AreaSample& sample) const noexcept {
     return correction_.correct(s, p, sample);
   }
+
+  // The thread that moves the hold; real time.
+  /// Moves the hold. Another place is a new hold; nullopt ends it.
+  void setHold(const std::optional<Hold>& hold) noexcept { holds_.write(hold); }
+  /// Returns the force of the tissue on the hold in the last tick, N; nullopt if it is not known:
+  /// without a hold, while the hand does not touch, and before the live solver has answered.
+  const std::optional<Eigen::Vector3d>& holdForce() noexcept { return hold_forces_.read(); }
 
   // The thread that asks the live solver.
   const LiveHand& hand() noexcept { return hands_.read(); }
@@ -73,6 +84,8 @@ class LiveTouch {
 
   const double radius_;
   TripleBuffer<LiveHand> hands_;
+  TripleBuffer<std::optional<Hold>> holds_;
+  TripleBuffer<std::optional<Eigen::Vector3d>> hold_forces_;
   TripleBuffer<Answer> answers_;
   std::uint64_t answered_ = 0;  ///< number of answers; used by the asking thread
 

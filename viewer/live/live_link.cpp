@@ -158,7 +158,7 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   wire::Message question;
   wire::HandMotion& message = *question.mutable_hand_motion();
   if (hand.touching) {
-    HandMotion motion = {hand.place, hand.displacement};
+    HandMotion motion = {.place = hand.place, .displacement = hand.displacement, .hold = hand.hold};
     if (follows) {
       const double time = hand.time - before_.time;
       motion.place_speed = (hand.place - before_.place) / time;

@@ -159,6 +159,8 @@ _signatures: dict[str, tuple[Any, list[Any]]] = {
     "live_start": (_status, [c_char_p, _handle, POINTER(LiveOptions), POINTER(_handle)]),
     "live_stop": (None, [_handle]),
     "live_dataset": (_status, [_handle, POINTER(_handle)]),
+    "live_hold": (_status, [_handle, POINTER(c_double), POINTER(c_double)]),
+    "live_hold_force": (_status, [_handle, POINTER(c_double)]),
     "live_describe": (_status, [_handle, POINTER(LiveInfo)]),
     "live_trouble": (_status, [_handle, c_char_p, c_size_t]),
     "device_profile": (_status, [c_char_p, POINTER(Profile)]),

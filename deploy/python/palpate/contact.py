@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _library
 from ._library import ByValue, Numbers
-from .dataset import Dataset
+from .dataset import Dataset, position
 from .live import Live
 
 if TYPE_CHECKING:
@@ -86,13 +86,6 @@ def _shape(dataset: Any, vertices: tuple[int, ...], touch: Touch) -> npt.NDArray
     return shape
 
 
-def _position(tool: npt.ArrayLike) -> Any:
-    values = np.ascontiguousarray(tool, np.float64)
-    if values.shape != (3,):
-        raise ValueError(f"a position has shape {values.shape}; it must be x, y and z, (3,)")
-    return values.ctypes.data_as(POINTER(c_double))
-
-
 class Contact(_library.Handle):
     """A point tool on a dataset's body. It touches where it crosses the surface from outside, slides with friction, and lets go.
 
@@ -126,7 +119,7 @@ class Contact(_library.Handle):
         """Moves the tool to ``tool``, (3,), m, and returns the touch. hold: for glued contact; False lets go. A position that is
         not finite ends the contact."""
         given = _library.Touch()
-        _library.call("contact_update", self.handle, _position(tool), int(hold), byref(given))
+        _library.call("contact_update", self.handle, position(tool), int(hold), byref(given))
         return _touch(given)
 
     def follow(self, tools: Iterable[npt.ArrayLike], hold: bool = True) -> list[Touch]:
@@ -224,7 +217,7 @@ class Guard(_library.Handle):
         flags = bool(fresh) | bool(lost) << 1 | bool(late) << 2
         limited = _library.Touch(touching=touch.touching, stepped=touch.stepped, energy=touch.energy,
                                  force=_library.Vector(*touch.force), stiffness=_library.Matrix(*np.ravel(touch.stiffness)))
-        _library.call("guard_limit", self.handle, _position(tool), byref(limited), flags, byref(given))
+        _library.call("guard_limit", self.handle, position(tool), byref(limited), flags, byref(given))
         words = tuple(word for bit, word in enumerate(_guards) if given.guards >> bit & 1)
         return GuardedForce(np.array(given.force), given.passivity, words)
 

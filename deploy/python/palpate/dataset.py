@@ -80,6 +80,14 @@ def _doubles(array: Numbers) -> Any:
     return array.ctypes.data_as(POINTER(c_double))
 
 
+def position(tool: npt.ArrayLike) -> Any:
+    """Converts x, y and z for libpalpate."""
+    values = np.ascontiguousarray(tool, np.float64)
+    if values.shape != (3,):
+        raise ValueError(f"a position or displacement has shape {values.shape}; it must be x, y and z, (3,)")
+    return values.ctypes.data_as(POINTER(c_double))
+
+
 @contextlib.contextmanager
 def hdf5_alone() -> Iterator[None]:
     """Locks h5py, if it is loaded, while libpalpate reads a file: HDF5 is not thread-safe."""

@@ -9,8 +9,12 @@ import sysconfig
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 from . import _library
-from .dataset import Dataset, hdf5_alone
+from ._library import Numbers
+from .dataset import Dataset, hdf5_alone, position
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,28 @@ class Live(_library.Handle):
             _library.call("live_dataset", self.handle, byref(corrected))
             dataset = Dataset._of(corrected)
         self.dataset: Dataset = dataset  #: for the contact
+
+    def hold(self, place: npt.ArrayLike, displacement: npt.ArrayLike) -> None:
+        """Lets a second finger hold the body while the contact touches it, for instance for a pinch.
+
+        It sticks to the surface at ``place`` (m, at rest) and keeps the ``displacement`` (m) there, also if it must pull.
+        Another place is a new hold. The contact feels it as soon as the live solver has answered.
+        """
+        _library.call("live_hold", self.handle, position(place), position(displacement))
+
+    def let_go(self) -> None:
+        """Ends the hold."""
+        _library.call("live_hold", self.handle, None, None)
+
+    @property
+    def hold_force(self) -> Numbers:
+        """Force of the tissue on the hold in the last update, N.
+
+        NaN without a hold, while the contact does not touch, and before the live solver has answered.
+        """
+        force = _library.Vector()
+        _library.call("live_hold_force", self.handle, force)
+        return np.array(force)
 
     @property
     def info(self) -> LiveInfo:

@@ -108,6 +108,44 @@ TEST_F(LiveCorrectionTest, FadesOutWhenTheHandIsReleased) {
   EXPECT_EQ(at(touched_place, pressed_by).force, springAt(100, touched_place, pressed_by).force);
 }
 
+/// A hold that adds 20 N/m times its displacement to the force.
+Expansion heldAt(const Hold& hold) {
+  Expansion expansion = expansionOf(150, touched_place, pressed_by);
+  expansion.held = Held{.at = hold,
+                        .force = {0, 0, 0.5},
+                        .stiffness = -80 * Eigen::Matrix3d::Identity(),
+                        .force_by_hold = 20 * Eigen::Matrix3d::Identity()};
+  return expansion;
+}
+
+TEST_F(LiveCorrectionTest, FollowsAHoldThatMoves) {
+  Hold hold = {{0.05, 0, 0}, {0, 0, 0.002}};
+  live_.setHold(hold);
+  live_.add(heldAt(hold), 0);
+  live_.advance(1e-3);
+  EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.5, 1e-3);
+  EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).value()[2], 0.5, 1e-9);
+  hold.displacement[2] += 0.004;
+  live_.setHold(hold);
+  EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.58, 2e-3);
+  EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).value()[2], 0.5 - 80 * 0.004, 1e-9);
+}
+
+TEST_F(LiveCorrectionTest, ClaimsNoAccuracyUntilTheLiveSolverKnowsTheHold) {
+  follow(150, touched_place, pressed_by);
+  EXPECT_LT(at(touched_place, pressed_by).error_bound, 0.01);
+  const Hold hold = {{0.05, 0, 0}, {0, 0, 0.002}};
+  live_.setHold(hold);
+  EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.5, 1e-3) << "without a step";
+  EXPECT_GE(at(touched_place, pressed_by).error_bound, 1.49);
+  EXPECT_FALSE(live_.holdForce(touched_place, pressed_by));
+  live_.add(heldAt(hold), 0);
+  live_.advance(1e-3);
+  EXPECT_LT(at(touched_place, pressed_by).error_bound, 0.01);
+  live_.setHold(std::nullopt);
+  EXPECT_GE(at(touched_place, pressed_by).error_bound, 1.49);
+}
+
 TEST_F(LiveCorrectionTest, DoubtsExpansionsThatDisagree) {
   follow(150, touched_place, pressed_by);
   const double alone = at(touched_place, pressed_by).error_bound;

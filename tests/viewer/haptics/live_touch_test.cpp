@@ -76,6 +76,12 @@ TEST(LiveTouch, ShowsTheHandToTheAskingThread) {
   EXPECT_EQ(live.hand().time, 0.5);
   EXPECT_TRUE(live.hand().touching);
   EXPECT_EQ(live.hand().displacement, Eigen::Vector3d(4, 5, 6));
+  EXPECT_FALSE(live.hand().hold);
+  live.setHold(Hold{{7, 8, 9}, {1, 1, 1}});
+  live.begin(0.001);
+  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}, {}});
+  EXPECT_EQ(live.hand().hold.value().place, Eigen::Vector3d(7, 8, 9));
+  EXPECT_FALSE(live.holdForce()) << "nothing is known yet";
 }
 
 }  // namespace
