@@ -8,13 +8,16 @@ import shutil
 import sysconfig
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _library
 from ._library import Numbers
 from .dataset import Dataset, hdf5_alone, position
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 
 @dataclass(frozen=True)
