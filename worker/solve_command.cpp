@@ -1,5 +1,7 @@
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -89,6 +91,8 @@ class Solving {
     if (finger()) place_ = finger()->center;
     if (!options.hold.empty() && !finger())
       throw badInput("--hold needs a finger, but {} is none", chosen_.name);
+    if (!std::ranges::all_of(options.hold, [](double x) { return std::isfinite(x); }))
+      throw badInput("--hold: all numbers must be finite");
   }
 
   /// Returns the position of the finger; nullopt for other tools.

@@ -78,6 +78,30 @@ TEST_F(SolveCommand, ExplainsAnInvalidPlace) {
   EXPECT_EQ(solve("--at 0.1 0 --displacement 0.001 0 0").exit_code, 2);
 }
 
+TEST_F(SolveCommand, SolvesForASecondFingerThatHolds) {
+  scene.active[0].tool = ToolKind::finger;
+  scene.active[0].radius = 0.06;
+  const std::string words = "--json --at 0.1 0 0.02 --displacement -0.004 0 0";
+  const CommandResult result = solve(words + " --hold 0 0.1 0 0 -0.005 0");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const json held = json::parse(result.output), alone = json::parse(solve(words).output);
+  EXPECT_GT(held.at("hold_force").at(1), 0);
+  EXPECT_NE(held.at("force"), alone.at("force"));
+  EXPECT_FALSE(alone.contains("hold_force"));
+  EXPECT_THAT(solve("--at 0.1 0 0.02 --displacement -0.004 0 0 --hold 0 0.1 0 0 -0.005 0").output,
+              HasSubstr("force on hold"));
+}
+
+TEST_F(SolveCommand, ExplainsAHoldThatCannotBeSolved) {
+  const std::string words = "--displacement -0.004 0 0 --hold ";
+  EXPECT_THAT(solve(words + "0 0.1 0 0 -0.005 0").output, HasSubstr("needs a finger"));
+  scene.active[0].tool = ToolKind::finger;
+  scene.active[0].radius = 0.06;
+  EXPECT_EQ(solve(words + "0 0.1 0").exit_code, 2);
+  EXPECT_THAT(solve(words + "nan 0.1 0 0 -0.005 0").output, HasSubstr("--hold: all numbers"));
+  EXPECT_THAT(solve(words + "-0.1 0 0 0 -0.005 0").output, HasSubstr("fixed nodes"));
+}
+
 TEST_F(SolveCommand, ContinuesAfterAPlaceWhereNoFingerCanStand) {
   scene.active[0].tool = ToolKind::finger;
   scene.active[0].radius = 0.06;
