@@ -254,6 +254,115 @@ class PythonFingers(WithDatasets):
         yield done.stdout
 
 
+class PythonSensors(WithDatasets):
+    DOWN = np.array([0, 0, -1.0]) if palpate is not None else None
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.finger = palpate.Dataset(cls.build("finger", FINGER, 0.01, 0.005))
+        cls.top = np.array([0.05, 0.05, 0.1])
+
+    def path(self, depths):
+        return self.top + np.outer(depths, self.DOWN)
+
+    def testForcesComeInTheFrameAndUnitsOfTheEngine(self):
+        path = self.path(np.linspace(-0.001, 0.004, 11)) + np.outer(np.linspace(0, 0.003, 11), [1, 0, 0])
+        expected = palpate.Contact(self.finger).follow(path)
+        self.assertTrue(expected[-1].touching)
+        turn, place, tip = np.array([[0, 0, 1.0], [1, 0, 0], [0, 1, 0]]), np.array([30, -20, 90.0]), np.array([0, 3.0, 1])
+        for mirror, signs in ("", [1, 1, 1]), ("x", [-1, 1, 1]), ("z", [1, 1, -1]):
+            given = 100 * (path * signs) @ turn.T + place  # an engine in centimetres
+            sensor = palpate.Sensor(self.finger, organ=(place, [0.5, 0.5, 0.5, 0.5]), metres=0.01, mirror=mirror, tip=tip)
+            for touch, point in zip(expected, given):
+                felt = sensor.step(0.001, point - turn @ tip, turn)  # the axes of the tool are those of the organ
+                np.testing.assert_allclose(felt.force, 100 * turn @ (signs * touch.force), atol=1e-8)
+                self.assertAlmostEqual(felt.error_bound, 100 * touch.error_bound)
+                self.assertAlmostEqual(felt.energy, 1e4 * touch.energy)
+                np.testing.assert_allclose(felt.torque, np.cross(turn @ tip, felt.force), atol=1e-6)
+                np.testing.assert_allclose(felt.force + felt.organ_force, 0)
+                np.testing.assert_allclose(np.cross(felt.point - place, felt.force) + felt.organ_torque, 0, atol=1e-6)
+            about = sensor.step(0.001, point - turn @ tip, turn, about=felt.point)
+            np.testing.assert_allclose(about.torque, 0, atol=1e-6)
+
+    def testOneOfManyAndAMovingOrganFeelTheSame(self):
+        path = self.path(np.linspace(-0.001, 0.004, 11))
+        one, many, moved = (palpate.Sensor(self.finger, count) for count in (None, 3, None))
+        for point in path:
+            felt, all_felt = one.step(0.001, point), many.step(0.001, np.tile(point, (3, 1)), organ=([0, 0, 0], None))
+            pushed = moved.step(0.001, path[0], organ=(path[0] - point, [1, 0, 0, 0]))
+            np.testing.assert_array_equal(all_felt.force, np.tile(felt.force, (3, 1)))
+            np.testing.assert_allclose(pushed.force, felt.force, rtol=1e-9, atol=1e-12)
+            self.assertAlmostEqual(pushed.work, felt.work)
+        self.assertGreater(felt.force[2], 0.05)
+
+    def testALongStepIsMadeOfShortOnes(self):
+        short, long = palpate.Sensor(self.finger), palpate.Sensor(self.finger)
+        for depth in np.linspace(-0.0005, 0.004, 10):
+            expected = short.step(0.001, self.path([depth])[0])
+        long.step(0.02, self.path([-0.0005])[0])
+        felt = long.step(0.009, self.path([0.004])[0])
+        np.testing.assert_allclose(felt.force, expected.force, rtol=1e-9)
+        self.assertAlmostEqual(felt.work, expected.work, delta=0.01 * expected.work)
+        self.assertFalse(felt.jumped)
+        jumped = long.step(0.009, self.path([-0.2])[0])  # 200 mm in 9 ms: a reset
+        self.assertTrue(jumped.jumped and not jumped.touching)
+        self.assertAlmostEqual(jumped.gap, 0.2)
+        inside = long.step(0.009, self.path([0.004])[0])
+        self.assertTrue(inside.jumped and not inside.touching)
+        self.assertEqual(inside.force.tolist(), [0, 0, 0])
+
+    def testTheWorkOfAToolIsStoredOrLostToFriction(self):
+        sensor = palpate.Sensor(self.finger)
+        angles = np.linspace(0, 2 * np.pi, 500)
+        pressed = [sensor.step(0.002, point) for point in self.path(0.004 * (1 - np.cos(angles)) / 2 - 0.0005)]
+        most = max(felt.energy for felt in pressed)
+        self.assertGreater(most, 1e-5)
+        for felt in pressed:
+            self.assertAlmostEqual(felt.work, felt.energy, delta=0.01 * most)
+        self.assertFalse(pressed[-1].touching)
+        sensor.release()
+        for point in self.path(np.linspace(-0.0005, 0.004, 200)):
+            sensor.step(0.002, point)
+        losses = [felt.work - felt.energy for felt in
+                  (sensor.step(0.002, point + [slide, 0, 0]) for slide in np.linspace(0, 0.015, 400))]
+        self.assertGreater(losses[-1], 10 * abs(losses[0]))
+        self.assertGreater(np.diff(losses).min(), -1e-3 * losses[-1])  # friction only takes energy
+
+    def testABadPoseOfOneToolIsFlaggedAndTheOthersGoOn(self):
+        sensor = palpate.Sensor(self.finger, 4)
+        quaternions = np.tile([1.0, 0, 0, 0], (4, 1))
+        for depth in np.linspace(-0.001, 0.003, 9):
+            positions = np.tile(self.path([depth]), (4, 1))
+            positions[1, 0], quaternions[2], positions[3, 2] = np.nan, 0, np.inf
+            felt = sensor.step(0.001, positions, quaternions)
+        self.assertEqual(felt.inside.tolist(), [True, False, False, False])
+        self.assertEqual(felt.touching.tolist(), [True, False, False, False])
+        self.assertGreater(felt.force[0, 2], 0.05)
+        for values in felt.force, felt.torque, felt.organ_force, felt.organ_torque, felt.work:
+            self.assertTrue((values[1:] == 0).all() and np.isfinite(values).all())
+
+    def testWrongHandsAndUnitsAreSentences(self):
+        left = np.diag([1, 1, -1.0])
+        sensor = palpate.Sensor(self.finger)
+        self.assertRegex(repr(palpate.Sensor(self.finger, metres=0.001)), "100 engine units long")
+        for ask, text in ((lambda: palpate.Sensor(self.finger, organ=([0, 0, 0], left)), "organ's rotation is a left-handed matrix"),
+                          (lambda: sensor.step(0.001, [0, 0, 1], left), "tool's rotation is a left-handed matrix"),
+                          (lambda: sensor.step(0.001, [0, 0, 1], 1000 * np.eye(3)), "has a scale"),
+                          (lambda: sensor.step(0.001, [0, 0, 1], [1, 0, 0]), "must be a quaternion"),
+                          (lambda: sensor.step(2, [0, 0, 1]), "time step in seconds"),
+                          (lambda: sensor.step(np.nan, [0, 0, 1]), "time step in seconds"),
+                          (lambda: sensor.step(0.001, [0, 0]), "must be x, y and z"),
+                          (lambda: palpate.Sensor(self.finger, organ=([0, 0, np.nan], None)), "organ's pose is not finite"),
+                          (lambda: palpate.Sensor(self.finger, metres=0), "engine's unit in metres"),
+                          (lambda: palpate.Sensor(self.finger, mirror="left"), "must be the axis")):
+            with self.assertRaisesRegex(ValueError, f"^[^\n]*{text}[^\n]*$"):
+                ask()
+        with unittest.mock.patch.object(self.finger, "vertices", 1000 * self.finger.vertices):
+            with self.assertRaisesRegex(ValueError, "the organ is 100 m long; .*length_unit"):
+                palpate.Sensor(self.finger)
+
+
 class PythonContacts(WithDatasets):
     def pressing(self, tip, depths):
         return tip.rest_position + np.outer(depths, (0, 0, -1))

@@ -11,6 +11,7 @@ Contents:
 ``Dataset``    a dataset in memory; ``query`` answers any number of displacements in one call
 ``Contact``    a tool that touches the body, slides and lets go, one position at a time
 ``Contacts``   thousands of such tools, each with its own contact, in one call
+``Sensor``     force and torque on the tools of a physics engine, in its frame and units
 ``Live``       a solver that follows the hand: exact forces near it, also without a dataset
 ``Guard``      makes a force safe for a haptic device
 ``Arrays``     the contents of a dataset file, as NumPy arrays (needs h5py)
@@ -30,10 +31,11 @@ from .contacts import Contacts, Touches
 from .dataset import Answers, AreaInfo, Dataset, SpaceInfo
 from .live import Live, LiveInfo
 from .recording import Recording
+from .sensor import Sensor, Wrench
 
 __all__ = [
     "Answers", "AreaInfo", "Arrays", "Contact", "ContactMode", "ContactOptions", "Contacts", "Dataset", "DeviceProfile", "Error",
-    "Guard", "GuardOptions", "GuardedForce", "Live", "LiveInfo", "Recording", "Space", "SpaceInfo", "Touch", "Touches", "device",
-    "version",
+    "Guard", "GuardOptions", "GuardedForce", "Live", "LiveInfo", "Recording", "Sensor", "Space", "SpaceInfo", "Touch", "Touches",
+    "Wrench", "device", "version",
 ]
 __version__ = version()
