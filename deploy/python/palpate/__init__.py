@@ -31,11 +31,11 @@ from .contacts import Contacts, Touches
 from .dataset import Answers, AreaInfo, Dataset, SpaceInfo
 from .live import Live, LiveInfo
 from .recording import Recording
-from .sensor import Sensor, Wrench
+from .sensor import Sensor, Wrench, facing_up
 
 __all__ = [
     "Answers", "AreaInfo", "Arrays", "Contact", "ContactMode", "ContactOptions", "Contacts", "Dataset", "DeviceProfile", "Error",
     "Guard", "GuardOptions", "GuardedForce", "Live", "LiveInfo", "Recording", "Sensor", "Space", "SpaceInfo", "Touch", "Touches",
-    "Wrench", "device", "version",
+    "Wrench", "device", "facing_up", "version",
 ]
 __version__ = version()

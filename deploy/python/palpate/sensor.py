@@ -175,6 +175,19 @@ class Sensor:
         return np.broadcast_to(rows, (len(self), 3))
 
 
+def facing_up(dataset: Dataset, point: npt.ArrayLike, metres: float = 1.0) -> tuple[Numbers, Numbers]:
+    """Returns a pose of the organ, (position, rotation), with ``point`` of the surface, (3,), m, in the world's origin and the
+    outward normal there along z. metres: as of ``Sensor``."""
+    vertex = np.linalg.norm(dataset.vertices - np.asarray(point), axis=1).argmin()
+    a, b, c = dataset.vertices[dataset.triangles[(dataset.triangles == vertex).any(axis=1)]].transpose(1, 0, 2)
+    z = np.cross(b - a, c - a).sum(axis=0)
+    z /= np.linalg.norm(z)
+    x = np.cross([0, 1, 0] if abs(z[1]) < 0.9 else [0, 0, 1], z)
+    x /= np.linalg.norm(x)
+    rotation = np.stack([x, np.cross(z, x), z])
+    return -rotation @ np.asarray(point) / metres, rotation
+
+
 def _turned(turns: Numbers, vectors: Numbers) -> Numbers:
     turned: Numbers = (turns @ vectors[..., None])[..., 0]
     return turned
