@@ -17,7 +17,7 @@ import time
 import unittest
 import unittest.mock
 
-from small_datasets import BIN, EXAMPLES, FINGER, LIBRARY, PACKAGE, ROOT, TIP, WithDatasets, palpate
+from small_datasets import BIN, EXAMPLES, FINGER, LIBRARY, PACKAGE, ROOT, SCENE, TIP, WithDatasets, palpate
 
 if palpate is not None:
     import h5py
@@ -341,6 +341,18 @@ class PythonSensors(WithDatasets):
         self.assertGreater(felt.force[0, 2], 0.05)
         for values in felt.force, felt.torque, felt.organ_force, felt.organ_torque, felt.work:
             self.assertTrue((values[1:] == 0).all() and np.isfinite(values).all())
+
+    def testAProbePressesWithThreeNewtons(self):
+        (self.folder / "firm.toml").write_text(SCENE.format(name="firm", active=FINGER, radius=0.01, spacing=0.005)
+                                               .replace("1300", "13000").replace("1280", "12800"), encoding="utf-8")
+        self.run_program("build", self.folder / "firm.toml", "-o", self.folder / "firm.h5", "-q")
+        done = self.run_python(EXAMPLES / "probe.py", self.folder / "firm.h5", *self.top)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("deeper than computed", done.stdout)
+        self.assertLess(float(re.search(r"worst deviation while sweeping: (\S+) N", done.stdout)[1]), 0.03)
+        forces = [float(force) for force in re.findall(r"deep +(\S+) N", done.stdout)]
+        self.assertEqual((len(forces), forces[0]), (16, 0))
+        np.testing.assert_allclose(forces[4:], 3, atol=0.03)
 
     def testWrongHandsAndUnitsAreSentences(self):
         left = np.diag([1, 1, -1.0])
