@@ -7,7 +7,7 @@ import re
 import subprocess
 import unittest
 
-from small_datasets import BIN, EXAMPLES, TIP, WithDatasets, palpate
+from small_datasets import BIN, EXAMPLES, FINGER, TIP, WithDatasets, palpate
 
 if palpate is not None:
     import numpy as np
@@ -57,6 +57,20 @@ class RobotsOfDart(WithAFinger):
         self.followsTheDataset(self.run_python(EXAMPLES.parent / "dart/palpation.py", self.patch, 1e3 * DEPTH))
         done = self.run_python(EXAMPLES.parent / "dart/palpation.py", self.folder / "absent.h5")
         self.assertIn("absent.h5: there is no such dataset", done.stderr)
+
+    def testAFingerMapsTheStiffnessOfASurface(self):
+        if importlib.util.find_spec("dartpy") is None:
+            self.skipTest("python3-dartpy is not installed: the example for DART is NOT tested")
+        area, figure = self.build("area", FINGER, 0.01, 0.005), self.folder / "map.png"
+        done = self.run_python(EXAMPLES.parent / "dart/robot_map.py", area, figure, 0.05, 0.05, 0.1, 7, 4, MPLCONFIGDIR=str(self.folder))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(figure.stat().st_size, 5000)
+        rows = np.array([[float(word) for word in line.replace("mm", "").split()[:3]] for line in done.stdout.splitlines()])
+        self.assertEqual(rows.shape, (25, 3))
+        places = np.column_stack([0.05 + 1e-3 * rows[:, :2], np.full(25, 0.1)])
+        expected = palpate.Dataset(area).query([0, 0, -0.003], at=places).force[:, 2] / 0.003
+        self.assertGreater(expected.max(), 1.1 * expected.min())
+        np.testing.assert_allclose(rows[:, 2], expected, rtol=0.05)
 
 
 class WithACompiler(WithAFinger):

@@ -60,47 +60,45 @@ class Robot:
         # DART's computePotentialEnergy takes the origins of the links for their centres of mass.
         return self.skeleton.computeKineticEnergy() + 9.81 * self.skeleton.getMass() * self.skeleton.getCOM()[2]
 
-    def control(self, depth, felt):
-        """Pulls the tip with a spring and a damper; its target moves in and out along z. Prints the force of the tissue, and the
-        force that a robot without a sensor estimates from its torques. Accounts for energy: the motors' work becomes energy of the
-        finger and work on the tissue."""
-        time = self.world.getTime()
+    def control(self, target, felt):
+        """Pulls the tip to a target with a spring and a damper. Returns the force on the tip that a robot without a sensor estimates
+        from its torques. Accounts for energy: the motors' work becomes energy of the finger and work on the tissue."""
         jacobian = self.skeleton.getLinearJacobian(self.tip, END)
-        inward = depth * 0.5 * (1 - np.cos(2 * np.pi * time / DURATION)) - START
-        pull = STIFFNESS * ([0, 0, -inward] - felt.point) - DAMPING * jacobian @ self.skeleton.getVelocities()
+        pull = STIFFNESS * (target - felt.point) - DAMPING * jacobian @ self.skeleton.getVelocities()
         bias = self.skeleton.getCoriolisAndGravityForces()
         torque, before = jacobian.T @ pull + bias, self.torque
         self.skeleton.setForces(torque)
-
         angles = self.skeleton.getPositions()
         self.motors += 0.5 * (torque + before) @ (angles - self.angles)
         self.torque, self.angles = torque, angles
         self.worst = max(self.worst, abs(self.motors - self.energy() - felt.work))
         self.most = max(self.most, felt.energy)
-        if round(time / STEP) % round(PRINT_EVERY / STEP) == 0:
-            estimate = np.linalg.solve(jacobian.T, bias - torque)
-            print(f"{time:7.3f} {-1e3 * felt.point[2]:7.3f}  " + " ".join(f"{f:9.4f}" for f in felt.force) + "   "
-                  + " ".join(f"{f:9.4f}" for f in estimate) + f"   {felt.error_bound:9.2g}" + ("  touching" if felt.touching else ""))
+        return np.linalg.solve(jacobian.T, bias - torque)
 
 
-def palpate_with(robot, file, depth):
-    dataset = palpate.Dataset(file)
-    organ = palpate.facing_up(dataset, dataset.spaces[0].rest_position)  # the touched point in the origin
-    sensor = palpate.Sensor(dataset, organ=organ, tip=END)
-    for _ in range(round(DURATION / STEP)):
+def palpate_with(robot, dataset, place, path):
+    """Moves the tip along a path. Yields what the tissue does, and the force that the robot estimates."""
+    sensor = palpate.Sensor(dataset, organ=palpate.facing_up(dataset, place), tip=END)  # the place is in the origin
+    for target in path:
         pose = robot.tip.getWorldTransform()
         felt = sensor.step(STEP, pose.translation(), pose.rotation())
         robot.tip.addExtForce(felt.force, END)
-        robot.control(depth, felt)
+        yield felt, robot.control(target, felt)
         robot.world.step()
 
 
 def main():
     if len(sys.argv) < 2:
         sys.exit("usage: palpation.py DATASET.h5 [DEPTH_MM]")
+    dataset, robot = palpate.Dataset(sys.argv[1]), Robot()
+    depth = 1e-3 * float(sys.argv[2] if len(sys.argv) > 2 else 8)
+    times = STEP * np.arange(round(DURATION / STEP))
+    path = np.outer(START - depth * 0.5 * (1 - np.cos(2 * np.pi * times / DURATION)), [0, 0, 1])
     print("#  time   depth      force of the tissue, N           felt in the joints, N            |error| <")
-    robot = Robot()
-    palpate_with(robot, sys.argv[1], 1e-3 * float(sys.argv[2] if len(sys.argv) > 2 else 8))
+    for step, (felt, estimate) in enumerate(palpate_with(robot, dataset, dataset.spaces[0].rest_position, path)):
+        if step % round(PRINT_EVERY / STEP) == 0:
+            print(f"{times[step]:7.3f} {-1e3 * felt.point[2]:7.3f}  " + " ".join(f"{f:9.4f}" for f in felt.force) + "   "
+                  + " ".join(f"{f:9.4f}" for f in estimate) + f"   {felt.error_bound:9.2g}" + ("  touching" if felt.touching else ""))
     print(f"# energy: {1e3 * robot.most:.4g} mJ stored in the tissue, at most {1e3 * robot.worst:.2g} mJ not accounted for")
 
 
