@@ -329,6 +329,23 @@ class PythonSensors(WithDatasets):
         self.assertGreater(losses[-1], 10 * abs(losses[0]))
         self.assertGreater(np.diff(losses).min(), -1e-3 * losses[-1])  # friction only takes energy
 
+    def testAToolThatBouncesOffAFreeOrganKeepsMomentumAndEnergy(self):
+        sensor, dt, masses = palpate.Sensor(self.finger), 0.0001, np.array([0.1, 0.3])
+        places, speeds = np.array([self.top + [0, 0, 0.001], [0, 0, 0]]), np.array([[0, 0, -0.3], [0, 0, 0]])
+        momentum, energy, worst, most = masses @ speeds, 0.5 * masses @ (speeds**2).sum(axis=1), 0, 0
+        for _ in range(1000):
+            felt = sensor.step(dt, places[0], organ=(places[1], None))
+            worst = max(worst, abs(0.5 * masses @ (speeds**2).sum(axis=1) + felt.work - energy))
+            most = max(most, felt.energy)
+            speeds += dt * np.array([felt.force, felt.organ_force]) / masses[:, None]
+            places += dt * speeds
+        self.assertFalse(felt.touching)
+        self.assertGreater(speeds[0, 2], 0.1)  # it went back
+        self.assertGreater(most, 0.5 * energy)
+        np.testing.assert_allclose(masses @ speeds, momentum, atol=1e-12)
+        self.assertLess(worst, 0.01 * energy)
+        self.assertLess(abs(felt.work), 0.01 * energy)
+
     def testABadPoseOfOneToolIsFlaggedAndTheOthersGoOn(self):
         sensor = palpate.Sensor(self.finger, 4)
         quaternions = np.tile([1.0, 0, 0, 0], (4, 1))

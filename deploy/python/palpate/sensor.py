@@ -1,4 +1,48 @@
-"""A force sensor for soft tissue, in the loop of a physics engine."""
+"""A force sensor for soft tissue, in the loop of a physics engine.
+
+Sketches for engines that are not in Debian. They were NOT run: check names, frames and signs in the manual of your version.
+``sensor`` is ``palpate.Sensor(dataset, ...)``. ``n`` bodies ``tool`` in as many environments have one sensor with count = n.
+
+Newton (quaternion with w last; wrench in the world frame, force first, torque about the centre of mass)::
+
+    x = state.body_q.numpy()[tool]
+    felt = sensor.step(dt, x[:3], np.roll(x[3:], 1), about=centre_of_mass)      # of the tool, in the world
+    wrenches = state.body_f.numpy()                                             # after state.clear_forces()
+    wrenches[tool] += [*felt.force, *felt.torque]
+    state.body_f.assign(wrenches)
+
+Isaac Lab 2.3 (w first; the positions contain the origin of each environment)::
+
+    x = (robot.data.body_pos_w[:, tool] - scene.env_origins).cpu().numpy()
+    felt = sensor.step(dt, x, robot.data.body_quat_w[:, tool].cpu().numpy())
+    force, torque = (torch.tensor(v, dtype=torch.float32, device=robot.device)[:, None] for v in (felt.force, felt.torque))
+    robot.set_external_force_and_torque(force, torque, positions=robot.data.body_pos_w[:, [tool]], body_ids=[tool], is_global=True)
+    robot.write_data_to_sim()                                                   # in every step, also with zeros
+
+Genesis (w first; torque about the origin of the link)::
+
+    link = robot.get_link("tool")
+    felt = sensor.step(dt, link.get_pos().cpu().numpy(), link.get_quat().cpu().numpy())
+    scene.sim.rigid_solver.apply_links_external_force(felt.force[:, None], [link.idx], ref="link_origin")
+    scene.sim.rigid_solver.apply_links_external_torque(felt.torque[:, None], [link.idx], ref="link_origin")
+    scene.step()
+
+ROS 2 (w last; a WrenchStamped is about the origin of its frame, so state the frame in which you publish)::
+
+    p, q = pose.position, pose.orientation                                      # of the tool, in the frame "world"
+    felt = sensor.step(dt, [p.x, p.y, p.z], [q.w, q.x, q.y, q.z], about=[0, 0, 0])
+    message = WrenchStamped(header=Header(stamp=node.get_clock().now().to_msg(), frame_id="world"))
+    (message.wrench.force.x, message.wrench.force.y, message.wrench.force.z) = felt.force.tolist()
+    (message.wrench.torque.x, message.wrench.torque.y, message.wrench.torque.z) = felt.torque.tolist()
+
+SOFA (Rigid3d: x, y, z, then the quaternion with w last; often millimetres: metres=0.001, with masses in kg)::
+
+    def onAnimateBeginEvent(self, event):                                       # of a Sofa.Core.Controller
+        x = self.tool.position.value[0]
+        felt = sensor.step(event["dt"], x[:3], np.roll(x[3:], 1))
+        with self.field.forces.writeable() as forces:                           # of a ConstantForceField on the tool
+            forces[0] = [*felt.force, *felt.torque]
+"""
 
 from __future__ import annotations
 
@@ -161,7 +205,7 @@ class Sensor:
             turn = turn.reshape(-1, 3, 3)
             finite = turn[np.isfinite(turn).all(axis=(1, 2))]
             if (np.linalg.det(finite) < 0).any():
-                raise ValueError(f"{whose} rotation is a left-handed matrix; negate one axis, or see `mirror` for left-handed engines")
+                raise ValueError(f"{whose} rotation is a left-handed matrix; negate one axis, or use mirror= for left-handed engines")
             if not np.allclose(finite @ finite.swapaxes(1, 2), np.eye(3), atol=1e-3):
                 raise ValueError(f"{whose} rotation has a scale or a shear; its columns must be perpendicular unit vectors")
         if turn.ndim != 3 or len(turn) not in (1, len(self)):
