@@ -91,12 +91,17 @@ def plain(text):
 
 
 def written(name):
-    """Returns the properties of a scene that the manual gives, (property, value), the grade last. Empty for an unknown
-    scene."""
-    sections = MANUAL.read_text(encoding="utf-8").split("\n## ")
-    section = next((part for part in sections if f"deploy/scenes/{name}/" in part), "")
-    return [(what, plain(value)) for what, value in re.findall(r"^\| (.+?) \| (.+) \|$", section, re.M)
-            if what in ("materials", "grade") or what.startswith(("forces by", "finer mesh"))]
+    """Returns the properties of a scene that the manual gives, (property, value). Empty for an unknown scene."""
+    manual = MANUAL.read_text(encoding="utf-8")
+    section = next((part for part in manual.split("\n## ") if f"deploy/scenes/{name}/" in part), "")
+    materials = re.search(r"^Materials: (.+?)\n\n", section + "\n\n", re.M | re.S)
+    if not materials:
+        return []
+    lines = [line.strip("| ").split(" | ") for line in manual.splitlines() if line.startswith("|")]
+    names = next(line for line in lines if name in line)
+    return [("materials", plain(materials[1].replace("\n", " ")))] + [
+        (what, plain(values[names.index(name)])) for what, *values in lines
+        if len(values) == len(names) and what.startswith(("grade", "forces by", "finer mesh"))]
 
 
 def table(folder, name):
