@@ -139,11 +139,11 @@ class Sensor {
     const bool jumped = length > 5 * dt;
     if (jumped) need(palpate_contact_release(contact_.get()));
     if (jumped || !std::isfinite(length)) way = {};
-    const double strides =
-        std::max(std::ceil(1000 * dt - 1e-6), std::ceil(std::sqrt(dot(way, way)) / 0.0005));
+    const int strides = static_cast<int>(
+        std::max(std::ceil(1000 * dt - 1e-6), std::ceil(std::sqrt(dot(way, way)) / 0.0005)));
     auto touch = PALPATE_INIT(palpate_touch);
-    for (double stride = 1; stride <= strides; ++stride) {
-      const Vector at = sum(here, way, stride / strides - 1);
+    for (int stride = 1; stride <= strides; ++stride) {
+      const Vector at = sum(here, way, double(stride) / strides - 1);
       need(palpate_contact_update(contact_.get(), at.data(), 1, &touch));
       const Vector force = {touch.force[0], touch.force[1], touch.force[2]};
       work_ -= dot(sum(force, force_), way) / (2 * strides);

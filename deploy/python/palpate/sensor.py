@@ -47,23 +47,25 @@ SOFA (Rigid3d: x, y, z, then the quaternion with w last; often millimetres: metr
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
-import numpy.typing as npt
 
 from ._library import ByValue, Numbers
 from .contact import ContactOptions
 from .contacts import Contacts, Touches
 from .dataset import Dataset
 
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Pose = Tuple[npt.ArrayLike, Optional[npt.ArrayLike]]
+
 RATE = 1000.0  # Hz, of contact updates: what the limits of sliding are made for
 STRIDE = 0.0005  # m, longest motion of a tool per contact update
 FASTEST = 5.0  # m/s; a tool that moves faster was placed elsewhere by a reset
 LONGEST_STEP = 0.1  # s
 SMALLEST, LARGEST = 0.001, 5.0  # m, size of an organ
-
-Pose = tuple[npt.ArrayLike, Union[npt.ArrayLike, None]]
 
 
 @dataclass(frozen=True, eq=False)
