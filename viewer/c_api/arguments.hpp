@@ -10,6 +10,8 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,20 +44,25 @@ palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
   return status;
 }
 
-/// Records that an argument is invalid. Returns false, as the checks of arguments do on failure.
+/// Reason to refuse an argument.
+struct InvalidArgument : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
 template <class... Args>
-bool refuse(fmt::format_string<Args...> format, Args&&... args) noexcept {
-  fail(PALPATE_INVALID_ARGUMENT, format, std::forward<Args>(args)...);
-  return false;
+[[noreturn]] void refuse(fmt::format_string<Args...> format, Args&&... args) {
+  throw InvalidArgument(fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// Runs `work` and turns its exceptions into a status. An Error becomes PALPATE_BAD_FILE, because
-/// arguments were checked before and only the opened file can be wrong.
-template <class Work>
-palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
+/// Runs the body of a function of the C API and turns its exceptions into a status with a text. An
+/// Error becomes PALPATE_BAD_FILE, because only an opened file causes one.
+template <class Body>
+palpate_status answered(const char* function, Body&& body) noexcept {
   try {
-    std::forward<Work>(work)();
+    std::forward<Body>(body)();
     return PALPATE_OK;
+  } catch (const InvalidArgument& reason) {
+    return fail(PALPATE_INVALID_ARGUMENT, "{}: {}", function, reason.what());
   } catch (const std::bad_alloc&) {
     return fail(PALPATE_OUT_OF_MEMORY, "{}: out of memory; prepare fewer methods", function);
   } catch (const Error& error) {
@@ -67,10 +74,13 @@ palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
   }
 }
 
-// Checks of arguments. Each returns whether the argument is valid, and records the failure if not.
+// The following functions refuse invalid arguments. `name` is the caller's name of the argument.
 
-inline bool isThere(const char* function, const char* name, const void* pointer) noexcept {
-  return pointer != nullptr || refuse("{}: {} is NULL", function, name);
+/// Returns the object at a pointer. Refuses NULL.
+template <class Object>
+Object& need(const char* name, Object* pointer) {
+  if (pointer == nullptr) refuse("{} is NULL", name);
+  return *pointer;
 }
 
 /// Sizes of the structures in their first published version; no caller has a smaller one. Only the
@@ -85,37 +95,47 @@ constexpr std::size_t firstSize(const palpate_contact_options*) { return 48; }
 constexpr std::size_t firstSize(const palpate_touch*) { return 360; }
 constexpr std::size_t firstSize(const palpate_guard_options*) { return 64; }
 
-/// Records a failure and returns false if the caller's structure is NULL or has an unknown size.
+/// Refuses a structure that is NULL or has an unknown size.
 template <class Struct>
-bool sizeIsKnown(const char* function, const char* name, const Struct* given) noexcept {
+void needSize(const char* name, const Struct* given) {
   constexpr std::size_t first_size = firstSize(static_cast<Struct*>(nullptr));
   static_assert(first_size <= sizeof(Struct));
-  if (!isThere(function, name, given)) return false;
-  return (given->size >= first_size && given->size <= sizeof(Struct)) ||
-         refuse(
-             "{}: {}->size is {}, not {}; set it to sizeof(*{}), and use a library at least as "
-             "new as palpate.h",
-             function, name, given->size, sizeof(Struct), name);
+  const std::size_t size = need(name, given).size;
+  if (size < first_size || size > sizeof(Struct))
+    refuse(
+        "{}->size is {}, not {}; set it to sizeof(*{}), and use a library at least as new as "
+        "palpate.h",
+        name, size, sizeof(Struct), name);
 }
 
-/// Copies `value` into the caller's structure, as far as the caller's `size` allows; `size` was
-/// checked before and stays the same.
+/// Copies `value` into the caller's structure, as far as the caller's `size` allows; `size` stays
+/// the same.
 template <class Struct>
-void give(Struct* to, Struct value) noexcept {
+void give(const char* name, Struct* to, Struct value) {
+  needSize(name, to);
   value.size = to->size;
   std::memcpy(to, &value, value.size);
 }
 
 /// Returns `defaults`, overwritten by all members that the caller's version of the structure has.
-/// The structure's size was checked before.
 template <class Struct>
-Struct taken(const Struct* from, Struct defaults) noexcept {
+Struct taken(const char* name, const Struct* from, Struct defaults) {
+  needSize(name, from);
   std::memcpy(&defaults, from, from->size);
   return defaults;
 }
 
+/// The same for the argument `options`, where NULL keeps the defaults.
+template <class Struct>
+Struct takenOptions(const Struct* options, const Struct& defaults) {
+  return options == nullptr ? defaults : taken("options", options, defaults);
+}
+
 inline Eigen::Vector3d vectorOf(const double values[3]) noexcept {
   return {values[0], values[1], values[2]};
+}
+inline Eigen::Vector3d vectorOf(const char* name, const double values[3]) {
+  return vectorOf(&need(name, values));
 }
 inline Eigen::Matrix3d matrixOf(const double values[9]) noexcept {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values);
@@ -150,25 +170,29 @@ void giveAnswer(const palpate_answers& to, std::size_t n, const Struct& sample) 
   if (to.inside != nullptr) to.inside[n] = static_cast<std::uint8_t>(sample.inside);
 }
 
-inline bool isNumber(const char* function, const char* what, std::int32_t number,
-                     std::ptrdiff_t count) noexcept {
-  if (count == 0) return refuse("{}: this dataset has no {}", function, what);
-  return (number >= 0 && number < count) ||
-         refuse("{}: {} {} does not exist; valid numbers are 0 to {}", function, what, number,
-                count - 1);
+/// Returns the caller's number of one of `count` things.
+inline std::size_t indexOf(const char* what, std::int32_t number, std::size_t count) {
+  if (count == 0) refuse("this dataset has no {}", what);
+  if (number < 0 || at(number) >= count)
+    refuse("{} {} does not exist; valid numbers are 0 to {}", what, number, count - 1);
+  return at(number);
 }
 
-inline bool isEnough(const char* function, std::size_t capacity, std::size_t needed) noexcept {
-  return capacity >= needed ||
-         refuse("{}: the buffer holds {} numbers, but {} are needed", function, capacity, needed);
+/// Returns the part of the caller's buffer that is filled. Refuses a buffer that is too small.
+template <class Number>
+std::span<Number> roomIn(const char* name, Number* buffer, std::size_t capacity,
+                         std::size_t needed) {
+  need(name, buffer);
+  if (capacity < needed) refuse("the buffer holds {} numbers, but {} are needed", capacity, needed);
+  return {buffer, needed};
 }
 
 /// Lower limit of a number that has no other limits.
 enum class Least { above_zero, zero };
-inline bool isFinite(const char* function, const char* name, double value, Least least) noexcept {
-  return (std::isfinite(value) && (least == Least::zero ? value >= 0 : value > 0)) ||
-         refuse("{}: {} is {}; it must be finite and {} 0", function, name, value,
-                least == Least::zero ? ">=" : ">");
+inline double finite(const char* name, double value, Least least) {
+  if (!(std::isfinite(value) && (least == Least::zero ? value >= 0 : value > 0)))
+    refuse("{} is {}; it must be finite and {} 0", name, value, least == Least::zero ? ">=" : ">");
+  return value;
 }
 
 /// Links a number in an options structure of the C API to its counterpart in the library's options.
@@ -186,49 +210,21 @@ void fillIn(Given& given, const Options& options, const Numbers& numbers) noexce
   for (const auto& number : numbers) given.*number.given = options.*number.twin;
 }
 
-/// Copies the caller's structure into the library's options, for all `numbers`. Records the failure
-/// and returns false if a number is invalid.
+/// Copies the caller's structure into the library's options, for all `numbers`.
 template <class Given, class Options, class Numbers>
-bool takeOver(const char* function, const Given& given, Options& options,
-              const Numbers& numbers) noexcept {
-  for (const auto& number : numbers) {
-    if (!isFinite(function, number.name, given.*number.given, number.least)) return false;
-    options.*number.twin = given.*number.given;
-  }
-  return true;
+void takeOver(const Given& given, Options& options, const Numbers& numbers) {
+  for (const auto& number : numbers)
+    options.*number.twin = finite(number.name, given.*number.given, number.least);
 }
 
-/// Overwrites `chosen`, which holds the defaults, with the members of the caller's structure. NULL
-/// keeps the defaults. Returns false if the structure is invalid.
-template <class Struct>
-bool takeOptions(const char* function, const Struct* options, Struct& chosen) noexcept {
-  if (options == nullptr) return true;
-  if (!sizeIsKnown(function, "options", options)) return false;
-  chosen = taken(options, chosen);
-  return true;
-}
-
-/// Finds the element with a name. If there is none, records an error text that lists all names.
+/// Returns the number of the element with a name. If there is none, the error text lists all names.
 template <class Elements, class NameOf>
-palpate_status findNamed(const char* function, const char* what, const char* name,
-                         const Elements& elements, NameOf nameOf, const char* result,
-                         std::int32_t* number) noexcept {
-  if (!isThere(function, "name", name) || !isThere(function, result, number))
-    return PALPATE_INVALID_ARGUMENT;
+std::int32_t numberOf(const char* what, const char* name, const Elements& elements, NameOf nameOf) {
+  need("name", name);
   const auto found = std::ranges::find(elements, std::string_view(name), nameOf);
-  if (found != elements.end()) {
-    *number = static_cast<std::int32_t>(found - elements.begin());
-    return PALPATE_OK;
-  }
-  // Only a failed search allocates, to keep successful ones cheap.
-  const palpate_status failed = withoutExceptions(function, [&] {
-    refuse("{}: unknown {} \"{}\"; known: {}", function, what, name,
-           fmt::join(mapped(elements, nameOf), ", "));
-  });
-  return failed == PALPATE_OK ? PALPATE_INVALID_ARGUMENT : failed;
+  if (found == elements.end())
+    refuse("unknown {} \"{}\"; known: {}", what, name, fmt::join(mapped(elements, nameOf), ", "));
+  return static_cast<std::int32_t>(found - elements.begin());
 }
-
-/// Returns the number of indices in `triples` triangles, or of coordinates in `triples` vertices.
-inline std::size_t countOf(std::int32_t triples) noexcept { return 3 * at(triples); }
 
 }  // namespace palpate

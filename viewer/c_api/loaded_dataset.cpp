@@ -1,7 +1,5 @@
 #include "viewer/c_api/loaded_dataset.hpp"
 
-#include "viewer/c_api/arguments.hpp"
-
 namespace palpate {
 namespace {
 

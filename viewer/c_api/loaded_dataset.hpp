@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "viewer/answers/area_places.hpp"
-#include "viewer/c_api/palpate.h"
+#include "viewer/c_api/arguments.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
@@ -34,3 +34,11 @@ std::mutex& hdf5Mutex();
 struct palpate_dataset {
   std::shared_ptr<const palpate::LoadedDataset> loaded;
 };
+
+namespace palpate {
+
+inline const LoadedDataset& loadedOf(const palpate_dataset* dataset) {
+  return *need("dataset", dataset).loaded;
+}
+
+}  // namespace palpate

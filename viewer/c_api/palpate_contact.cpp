@@ -4,10 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "common/base/assertion.hpp"
 #include "common/base/machine.hpp"
 #include "common/base/thread_pool.hpp"
-#include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/live_scene.hpp"
 #include "viewer/c_api/touch_struct.hpp"
 #include "viewer/haptics/contact.hpp"
@@ -16,12 +14,13 @@
 using namespace palpate;
 
 struct palpate_contact {
-  palpate_contact(const palpate_dataset& dataset, const ContactOptions& options,
-                  std::int32_t method, std::shared_ptr<LiveScene> scene)
+  palpate_contact(const palpate_dataset& dataset, const ContactOptions& options, std::size_t method,
+                  std::shared_ptr<LiveScene> scene)
       : loaded(dataset.loaded), live(std::move(scene)), contact(loaded->model, options) {
-    PALPATE_ASSERT(at(method) < loaded->model.methods().size(),
-                   "the interpolation method must exist");
-    contact.use(loaded->model, at(method));
+    contact.use(loaded->model, method);
+    // Last, because the destructor does not run after a failure.
+    if (live && live->in_use.exchange(true))
+      refuse("another contact uses options->live; destroy it first");
   }
   ~palpate_contact() {
     if (live) live->in_use = false;
@@ -36,12 +35,12 @@ struct palpate_contact {
 
 struct palpate_contacts {
   palpate_contacts(const palpate_dataset& dataset, const ContactOptions& options,
-                   std::int32_t method, std::size_t n, std::size_t n_threads)
+                   std::size_t method, std::size_t n, std::size_t n_threads)
       : loaded(dataset.loaded),
         contacts(n, Contact(loaded->model, options)),
         order(n),
         threads(n_threads) {
-    for (Contact& contact : contacts) contact.use(loaded->model, at(method));
+    for (Contact& contact : contacts) contact.use(loaded->model, method);
     for (const Eigen::Vector3d& vertex : loaded->model.surface().vertices()) box.extend(vertex);
     for (std::size_t c = 0; c < n; ++c) order[c].contact = c;
   }
@@ -102,34 +101,29 @@ Given defaultsFor(const palpate_dataset& dataset) noexcept {
   return given;
 }
 
-/// Converts the caller's options to the library's. Records the failure and returns false if an
-/// option is invalid.
-bool translate(const char* function, const Given& options, const palpate_dataset& dataset,
-               ContactOptions& chosen) noexcept {
-  if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED)
-    return refuse("{}: options->mode is {}; it must be PALPATE_UNILATERAL or PALPATE_GLUED",
-                  function, options.mode);
-  chosen.mode = options.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
-  if (options.live != nullptr) {
-    LiveScene& scene = *options.live->scene;
-    if (scene.loaded != dataset.loaded)
-      return refuse("{}: options->live belongs to another dataset; use palpate_live_dataset",
-                    function);
-    chosen.live = &scene.touch;
-    chosen.live_model = &scene.loaded->model;
-    chosen.period = scene.period;
+/// Options of a contact, as the library needs them.
+struct Chosen {
+  Chosen(const palpate_contact_options* options, const palpate_dataset& dataset) {
+    const Given given = takenOptions(options, defaultsFor(dataset));
+    if (given.mode != PALPATE_UNILATERAL && given.mode != PALPATE_GLUED)
+      refuse("options->mode is {}; it must be PALPATE_UNILATERAL or PALPATE_GLUED", given.mode);
+    contact.mode = given.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
+    if (given.live != nullptr) {
+      live = given.live->scene;
+      if (live->loaded != dataset.loaded)
+        refuse("options->live belongs to another dataset; use palpate_live_dataset");
+      contact.live = &live->touch;
+      contact.live_model = &live->loaded->model;
+      contact.period = live->period;
+    }
+    takeOver(given, contact, numbers);
+    method = indexOf("method", given.method, dataset.loaded->model.methods().size());
   }
-  return takeOver(function, options, chosen, numbers) &&
-         isNumber(function, "method", options.method, dataset.loaded->info.method_count);
-}
 
-/// Takes the caller's options, or the defaults if they are NULL. Records the failure and returns
-/// false if an option is invalid.
-bool choose(const char* function, const palpate_contact_options* options,
-            const palpate_dataset& dataset, Given& given, ContactOptions& chosen) noexcept {
-  given = defaultsFor(dataset);
-  return takeOptions(function, options, given) && translate(function, given, dataset, chosen);
-}
+  ContactOptions contact;
+  std::size_t method = 0;
+  std::shared_ptr<LiveScene> live;  ///< null: no live solver
+};
 
 /// Copies a touch into element n of each of the caller's arrays that is not NULL.
 void giveTouch(const palpate_touches& to, std::size_t n, const Touch& touch) noexcept {
@@ -156,116 +150,90 @@ void giveTouch(const palpate_touches& to, std::size_t n, const Touch& touch) noe
   vector(to.drives, touch.drive);
 }
 
-/// Returns whether the triangle and the spaces of a touch exist in a dataset; the caller may have
-/// filled in the touch by hand.
-bool belongsTo(const char* function, const palpate_touch& touch,
-               const palpate_dataset_info& info) noexcept {
+/// Refuses a touch whose triangle or spaces do not exist in a dataset; the caller may have filled
+/// in the touch by hand.
+void checkBelongs(const palpate_touch& touch, const LoadedDataset& dataset) {
   // The other members of a touch without contact are not read.
-  if (touch.touching == 0) return true;
-  if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
+  if (touch.touching == 0) return;
+  indexOf("triangle", touch.triangle, dataset.model.surface().triangles().size());
   if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES)
-    return refuse("{}: touch->share_count is {}; it must be from 1 to {}", function,
-                  touch.share_count, PALPATE_MOST_SHARES);
+    refuse("touch->share_count is {}; it must be from 1 to {}", touch.share_count,
+           PALPATE_MOST_SHARES);
   for (std::int32_t s = 0; s < touch.share_count; ++s)
-    if (!isNumber(function, "space", touch.share_spaces[s], info.space_count)) return false;
-  return true;
+    indexOf("space", touch.share_spaces[s], dataset.spaces.size());
 }
 
 }  // namespace
 
 palpate_status palpate_contact_defaults(const palpate_dataset* dataset,
                                         palpate_contact_options* options) {
-  if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "options", options))
-    return PALPATE_INVALID_ARGUMENT;
-  give(options, defaultsFor(*dataset));
-  return PALPATE_OK;
+  return answered(__func__,
+                  [&] { give("options", options, defaultsFor(need("dataset", dataset))); });
 }
 
 palpate_status palpate_contact_create(const palpate_dataset* dataset,
                                       const palpate_contact_options* options,
                                       palpate_contact** contact) {
-  if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
-  *contact = nullptr;
-  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
-  Given given;
-  ContactOptions chosen;
-  if (!choose(__func__, options, *dataset, given, chosen)) return PALPATE_INVALID_ARGUMENT;
-  const std::shared_ptr<LiveScene> live = given.live != nullptr ? given.live->scene : nullptr;
-  if (live && live->in_use.exchange(true))
-    return fail(PALPATE_INVALID_ARGUMENT,
-                "{}: another contact uses options->live; destroy it first", __func__);
-  const palpate_status status = withoutExceptions(
-      __func__, [&] { *contact = new palpate_contact(*dataset, chosen, given.method, live); });
-  if (live && status != PALPATE_OK) live->in_use = false;
-  return status;
+  return answered(__func__, [&] {
+    need("contact", contact) = nullptr;
+    const Chosen chosen(options, need("dataset", dataset));
+    *contact = new palpate_contact(*dataset, chosen.contact, chosen.method, chosen.live);
+  });
 }
 
 void palpate_contact_destroy(palpate_contact* contact) { delete contact; }
 
 palpate_status palpate_contact_update(palpate_contact* contact, const double tool[3],
                                       std::int32_t hold, palpate_touch* touch) {
-  if (!isThere(__func__, "contact", contact) || !isThere(__func__, "tool", tool) ||
-      !sizeIsKnown(__func__, "touch", touch))
-    return PALPATE_INVALID_ARGUMENT;
-  give(touch, toStruct(contact->contact.update(vectorOf(tool), hold != 0)));
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    Contact& updated = need("contact", contact).contact;
+    const Eigen::Vector3d position = vectorOf("tool", tool);
+    needSize("touch", touch);  // before the update, which cannot be undone
+    give("touch", touch, toStruct(updated.update(position, hold != 0)));
+  });
 }
 
 palpate_status palpate_contact_release(palpate_contact* contact) {
-  if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
-  contact->contact.release();
-  return PALPATE_OK;
+  return answered(__func__, [&] { need("contact", contact).contact.release(); });
 }
 
 palpate_status palpate_contact_use(palpate_contact* contact, const palpate_dataset* dataset,
                                    std::int32_t method) {
-  if (!isThere(__func__, "contact", contact) || !isThere(__func__, "dataset", dataset) ||
-      !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
-    return PALPATE_INVALID_ARGUMENT;
-  // use() compares the two models, so the previous model must stay alive until use() returns.
-  const std::shared_ptr<const LoadedDataset> former = contact->loaded;
-  contact->loaded = dataset->loaded;
-  contact->contact.use(contact->loaded->model, at(method));
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    palpate_contact& user = need("contact", contact);
+    const std::size_t methods = loadedOf(dataset).model.methods().size();
+    const std::size_t chosen = indexOf("method", method, methods);
+    // use() compares the two models, so the previous model must stay alive until use() returns.
+    const std::shared_ptr<const LoadedDataset> former = user.loaded;
+    user.loaded = dataset->loaded;
+    user.contact.use(user.loaded->model, chosen);
+  });
 }
 
 palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
                                            const palpate_touch* touch, float* displacements,
                                            std::size_t capacity) {
-  if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "touch", touch) ||
-      !isThere(__func__, "displacements", displacements))
-    return PALPATE_INVALID_ARGUMENT;
-  const palpate_dataset_info& info = dataset->loaded->info;
-  const palpate_touch known = taken(touch, toStruct(Touch{}));
-  const std::size_t needed = countOf(info.vertex_count);
-  if (!isEnough(__func__, capacity, needed) || !belongsTo(__func__, known, info))
-    return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(__func__, [&] {
-    DeformedShape shape(at(info.vertex_count));
-    shape.evaluate(dataset->loaded->model, toTouch(known), {displacements, needed});
+  return answered(__func__, [&] {
+    const LoadedDataset& loaded = loadedOf(dataset);
+    const palpate_touch known = taken("touch", touch, toStruct(Touch{}));
+    const std::size_t vertices = loaded.model.surface().vertices().size();
+    const auto filled = roomIn("displacements", displacements, capacity, 3 * vertices);
+    checkBelongs(known, loaded);
+    DeformedShape(vertices).evaluate(loaded.model, toTouch(known), filled);
   });
 }
 
 palpate_status palpate_contacts_create(const palpate_dataset* dataset,
                                        const palpate_contact_options* options, std::size_t n,
                                        std::int32_t threads, palpate_contacts** contacts) {
-  if (!isThere(__func__, "contacts", contacts)) return PALPATE_INVALID_ARGUMENT;
-  *contacts = nullptr;
-  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
-  Given given;
-  ContactOptions chosen;
-  if (!choose(__func__, options, *dataset, given, chosen)) return PALPATE_INVALID_ARGUMENT;
-  if (given.live != nullptr)
-    return fail(PALPATE_INVALID_ARGUMENT,
-                "{}: options->live must be NULL; a live solver follows a single contact", __func__);
-  if (n > most_contacts)
-    return fail(PALPATE_INVALID_ARGUMENT, "{}: n is {}; it must be at most {}", __func__, n,
-                most_contacts);
-  if (threads < 0 || threads > most_threads)
-    return fail(PALPATE_INVALID_ARGUMENT, "{}: threads is {}; it must be from 0 to {}", __func__,
-                threads, most_threads);
-  return withoutExceptions(__func__, [&] {
-    *contacts = new palpate_contacts(*dataset, chosen, given.method, n,
+  return answered(__func__, [&] {
+    need("contacts", contacts) = nullptr;
+    const Chosen chosen(options, need("dataset", dataset));
+    if (chosen.live) refuse("options->live must be NULL; a live solver follows a single contact");
+    if (n > most_contacts) refuse("n is {}; it must be at most {}", n, most_contacts);
+    if (threads < 0 || threads > most_threads)
+      refuse("threads is {}; it must be from 0 to {}", threads, most_threads);
+    *contacts = new palpate_contacts(*dataset, chosen.contact, chosen.method, n,
                                      threads == 0 ? coreCount() : at(threads));
   });
 }
@@ -273,51 +241,48 @@ palpate_status palpate_contacts_create(const palpate_dataset* dataset,
 void palpate_contacts_destroy(palpate_contacts* contacts) { delete contacts; }
 
 palpate_status palpate_contacts_set_frictions(palpate_contacts* contacts, const double* frictions) {
-  if (!isThere(__func__, "contacts", contacts) || !isThere(__func__, "frictions", frictions))
-    return PALPATE_INVALID_ARGUMENT;
-  std::vector<Contact>& all = contacts->contacts;
-  for (std::size_t n = 0; n < all.size(); ++n)
-    if (!(std::isfinite(frictions[n]) && frictions[n] >= 0))
-      return fail(PALPATE_INVALID_ARGUMENT, "{}: friction {} is {}; it must be finite and >= 0",
-                  __func__, n, frictions[n]);
-  for (std::size_t n = 0; n < all.size(); ++n) all[n].setFriction(frictions[n]);
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    std::vector<Contact>& all = need("contacts", contacts).contacts;
+    need("frictions", frictions);
+    for (std::size_t n = 0; n < all.size(); ++n)
+      if (!(std::isfinite(frictions[n]) && frictions[n] >= 0))
+        refuse("friction {} is {}; it must be finite and >= 0", n, frictions[n]);
+    for (std::size_t n = 0; n < all.size(); ++n) all[n].setFriction(frictions[n]);
+  });
 }
 
 palpate_status palpate_contacts_update(palpate_contacts* contacts, const double* tools,
                                        const std::uint8_t* holds, const palpate_touches* touches) {
-  if (!isThere(__func__, "contacts", contacts) || !isThere(__func__, "tools", tools) ||
-      !sizeIsKnown(__func__, "touches", touches))
-    return PALPATE_INVALID_ARGUMENT;
-  const palpate_touches wanted = taken(touches, palpate_touches{});
-  std::vector<Contact>& all = contacts->contacts;
-  if (contacts->updates++ % updates_per_sort == 0) contacts->sort(tools);
-  const auto update = [&](std::size_t part) {
-    const std::size_t end = std::min(all.size(), (part + 1) * contacts_at_once);
-    for (std::size_t place = part * contacts_at_once; place < end; ++place) {
-      const std::size_t n = contacts->order[place].contact;
-      giveTouch(wanted, n,
-                all[n].update(vectorOf(tools + 3 * n), holds == nullptr || holds[n] != 0));
-    }
-  };
-  contacts->threads.run((all.size() + contacts_at_once - 1) / contacts_at_once, std::ref(update));
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    std::vector<Contact>& all = need("contacts", contacts).contacts;
+    need("tools", tools);
+    const palpate_touches wanted = taken("touches", touches, palpate_touches{});
+    if (contacts->updates++ % updates_per_sort == 0) contacts->sort(tools);
+    const auto update = [&](std::size_t part) {
+      const std::size_t end = std::min(all.size(), (part + 1) * contacts_at_once);
+      for (std::size_t place = part * contacts_at_once; place < end; ++place) {
+        const std::size_t n = contacts->order[place].contact;
+        giveTouch(wanted, n,
+                  all[n].update(vectorOf(tools + 3 * n), holds == nullptr || holds[n] != 0));
+      }
+    };
+    contacts->threads.run((all.size() + contacts_at_once - 1) / contacts_at_once, std::ref(update));
+  });
 }
 
 palpate_status palpate_contacts_touch(const palpate_contacts* contacts, std::size_t index,
                                       palpate_touch* touch) {
-  if (!isThere(__func__, "contacts", contacts) || !sizeIsKnown(__func__, "touch", touch))
-    return PALPATE_INVALID_ARGUMENT;
-  if (index >= contacts->contacts.size())
-    return fail(PALPATE_INVALID_ARGUMENT, "{}: contact {} does not exist; there are {}", __func__,
-                index, contacts->contacts.size());
-  give(touch, toStruct(contacts->contacts[index].touch()));
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    const std::vector<Contact>& all = need("contacts", contacts).contacts;
+    if (index >= all.size()) refuse("contact {} does not exist; there are {}", index, all.size());
+    give("touch", touch, toStruct(all[index].touch()));
+  });
 }
 
 palpate_status palpate_contacts_release(palpate_contacts* contacts, const std::uint8_t* mask) {
-  if (!isThere(__func__, "contacts", contacts)) return PALPATE_INVALID_ARGUMENT;
-  for (std::size_t n = 0; n < contacts->contacts.size(); ++n)
-    if (mask == nullptr || mask[n] != 0) contacts->contacts[n].release();
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    std::vector<Contact>& all = need("contacts", contacts).contacts;
+    for (std::size_t n = 0; n < all.size(); ++n)
+      if (mask == nullptr || mask[n] != 0) all[n].release();
+  });
 }

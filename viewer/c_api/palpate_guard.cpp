@@ -28,11 +28,11 @@ namespace {
 constexpr std::uint32_t known_flags =
     PALPATE_READING_FRESH | PALPATE_READING_LOST | PALPATE_LOOP_LATE;
 
-const DeviceProfile* profileNamed(const char* function, std::string_view name) {
+const DeviceProfile& profileNamed(std::string_view name) {
   const DeviceProfile* const found = deviceNamed(name);
   if (found == nullptr)
-    refuse("{}: unknown device \"{}\"; known: {}", function, name, fmt::join(device_words, ", "));
-  return found;
+    refuse("unknown device \"{}\"; known: {}", name, fmt::join(device_words, ", "));
+  return *found;
 }
 
 /// Largest delay that ForceGuard accepts, periods.
@@ -57,64 +57,42 @@ Options toStruct(const GuardOptions& options) noexcept {
   return given;
 }
 
-/// Checks the arguments of palpate_guard_limit. Sets `guarded` to zero first, if it can be written.
-bool canBeLimited(const char* function, const palpate_guard* guard, const double tool[3],
-                  const palpate_touch* touch, std::uint32_t flags,
-                  palpate_guarded_force* guarded) noexcept {
-  if (!sizeIsKnown(function, "guarded", guarded)) return false;
-  // Set the force to zero first, so that a caller that ignores the status does no harm.
-  give(guarded, palpate_guarded_force{});
-  if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
-      !sizeIsKnown(function, "touch", touch))
-    return false;
-  // A flag of a later version may mean "stop", so giving no force is safer than ignoring the flag.
-  return (flags & ~known_flags) == 0 ||
-         refuse("{}: flags {:#x} contains unknown bits; see palpate.h", function, flags);
-}
-
 }  // namespace
 
 palpate_status palpate_device_profile(const char* name, palpate_profile* device) {
-  if (!isThere(__func__, "name", name) || !sizeIsKnown(__func__, "device", device))
-    return PALPATE_INVALID_ARGUMENT;
-  const DeviceProfile* const profile = profileNamed(__func__, name);
-  if (profile == nullptr) return PALPATE_INVALID_ARGUMENT;
-  give(device, palpate_profile{.size = sizeof(palpate_profile),
-                               .name = profile->name.data(),  // a literal ends with a zero
-                               .max_force = profile->max_force,
-                               .max_stiffness = profile->max_stiffness,
-                               .workspace_radius = profile->workspace_radius});
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    const DeviceProfile& profile = profileNamed(&need("name", name));
+    give("device", device,
+         palpate_profile{.size = sizeof(palpate_profile),
+                         .name = profile.name.data(),  // a literal ends with a zero
+                         .max_force = profile.max_force,
+                         .max_stiffness = profile.max_stiffness,
+                         .workspace_radius = profile.workspace_radius});
+  });
 }
 
 palpate_status palpate_guard_defaults(const char* device, double period,
                                       palpate_guard_options* options) {
-  if (!isFinite(__func__, "period", period, Least::above_zero) ||
-      !sizeIsKnown(__func__, "options", options))
-    return PALPATE_INVALID_ARGUMENT;
-  GuardOptions chosen;
-  if (device != nullptr) {
-    const DeviceProfile* const profile = profileNamed(__func__, device);
-    if (profile == nullptr) return PALPATE_INVALID_ARGUMENT;
-    chosen = guardFor(*profile, period);
-  }
-  chosen.period = period;
-  give(options, toStruct(chosen));
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    finite("period", period, Least::above_zero);
+    GuardOptions chosen =
+        device != nullptr ? guardFor(profileNamed(device), period) : GuardOptions{};
+    chosen.period = period;
+    give("options", options, toStruct(chosen));
+  });
 }
 
 palpate_status palpate_guard_create(const palpate_guard_options* options, palpate_guard** guard) {
-  if (!isThere(__func__, "guard", guard)) return PALPATE_INVALID_ARGUMENT;
-  *guard = nullptr;
-  GuardOptions chosen;
-  palpate_guard_options given = toStruct(chosen);
-  if (!takeOptions(__func__, options, given)) return PALPATE_INVALID_ARGUMENT;
-  if (std::isnan(given.max_slew)) given.max_slew = 0;
-  if (!takeOver(__func__, given, chosen, limits)) return PALPATE_INVALID_ARGUMENT;
-  if (chosen.delay > most_delay * chosen.period)
-    return fail(PALPATE_INVALID_ARGUMENT, "{}: options->delay is {}; it must be at most {} periods",
-                __func__, chosen.delay, most_delay);
-  return withoutExceptions(__func__, [&] { *guard = new palpate_guard{ForceGuard(chosen)}; });
+  return answered(__func__, [&] {
+    need("guard", guard) = nullptr;
+    GuardOptions chosen;
+    palpate_guard_options given = takenOptions(options, toStruct(chosen));
+    if (std::isnan(given.max_slew)) given.max_slew = 0;
+    takeOver(given, chosen, limits);
+    if (chosen.delay > most_delay * chosen.period)
+      refuse("options->delay is {}; it must be at most {} periods", chosen.delay, most_delay);
+    *guard = new palpate_guard{ForceGuard(chosen)};
+  });
 }
 
 void palpate_guard_destroy(palpate_guard* guard) { delete guard; }
@@ -122,27 +100,32 @@ void palpate_guard_destroy(palpate_guard* guard) { delete guard; }
 palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
                                    const palpate_touch* touch, std::uint32_t flags,
                                    palpate_guarded_force* guarded) {
-  if (!canBeLimited(__func__, guard, tool, touch, flags, guarded)) {
-    if (guard != nullptr)
-      guard->guard.reset();  // the hand gets zero force, so the next force must start from zero
-    return PALPATE_INVALID_ARGUMENT;
-  }
-  const GuardedForce limited =
-      guard->guard.limit({.tool = vectorOf(tool),
-                          .touch = toTouch(taken(touch, toStruct(Touch{}))),
-                          .fresh = (flags & PALPATE_READING_FRESH) != 0,
-                          .lost = (flags & PALPATE_READING_LOST) != 0,
-                          .late = (flags & PALPATE_LOOP_LATE) != 0});
-  palpate_guarded_force given{};
-  give(given.force, limited.force);
-  given.passivity = limited.passivity;
-  given.guards = limited.guards;
-  give(guarded, given);
-  return PALPATE_OK;
+  const palpate_status status = answered(__func__, [&] {
+    palpate_guarded_force given{};
+    // Set the force to zero first, so that a caller that ignores the status does no harm.
+    give("guarded", guarded, given);
+    ForceGuard& limiter = need("guard", guard).guard;
+    const Eigen::Vector3d position = vectorOf("tool", tool);
+    const palpate_touch touched = taken("touch", touch, toStruct(Touch{}));
+    // A flag of a later version may mean "stop", so giving no force is safer than ignoring the
+    // flag.
+    if ((flags & ~known_flags) != 0)
+      refuse("flags {:#x} contains unknown bits; see palpate.h", flags);
+    const GuardedForce limited = limiter.limit({.tool = position,
+                                                .touch = toTouch(touched),
+                                                .fresh = (flags & PALPATE_READING_FRESH) != 0,
+                                                .lost = (flags & PALPATE_READING_LOST) != 0,
+                                                .late = (flags & PALPATE_LOOP_LATE) != 0});
+    give(given.force, limited.force);
+    given.passivity = limited.passivity;
+    given.guards = limited.guards;
+    give("guarded", guarded, given);
+  });
+  // After a failure the hand gets zero force, so the next force must start from zero.
+  if (status != PALPATE_OK && guard != nullptr) guard->guard.reset();
+  return status;
 }
 
 palpate_status palpate_guard_reset(palpate_guard* guard) {
-  if (!isThere(__func__, "guard", guard)) return PALPATE_INVALID_ARGUMENT;
-  guard->guard.reset();
-  return PALPATE_OK;
+  return answered(__func__, [&] { need("guard", guard).guard.reset(); });
 }

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/live_scene.hpp"
 #include "viewer/haptics/haptic_device.hpp"
 
@@ -46,70 +45,64 @@ std::shared_ptr<LiveScene> startedFor(const char* file, const palpate_dataset* d
 
 palpate_status palpate_live_start(const char* scene, const palpate_dataset* dataset,
                                   const palpate_live_options* options, palpate_live** live) {
-  if (!isThere(__func__, "live", live)) return PALPATE_INVALID_ARGUMENT;
-  *live = nullptr;
-  palpate_live_options chosen{};
-  chosen.period = 1e-3;
-  if (!isThere(__func__, "scene", scene) || !takeOptions(__func__, options, chosen) ||
-      !isFinite(__func__, "options->period", chosen.period, Least::above_zero))
-    return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(__func__,
-                           [&] { *live = new palpate_live{startedFor(scene, dataset, chosen)}; });
+  return answered(__func__, [&] {
+    need("live", live) = nullptr;
+    need("scene", scene);
+    palpate_live_options defaults{};
+    defaults.period = 1e-3;
+    const palpate_live_options chosen = takenOptions(options, defaults);
+    finite("options->period", chosen.period, Least::above_zero);
+    *live = new palpate_live{startedFor(scene, dataset, chosen)};
+  });
 }
 
 void palpate_live_stop(palpate_live* live) { delete live; }
 
 palpate_status palpate_live_hold(palpate_live* live, const double place[3],
                                  const double displacement[3]) {
-  if (!isThere(__func__, "live", live)) return PALPATE_INVALID_ARGUMENT;
-  if (place == nullptr) {
-    live->scene->touch.setHold(std::nullopt);
-    return PALPATE_OK;
-  }
-  if (!isThere(__func__, "displacement", displacement)) return PALPATE_INVALID_ARGUMENT;
-  const Hold hold = {Eigen::Vector3d::Map(place), Eigen::Vector3d::Map(displacement)};
-  if (!hold.place.allFinite() || !hold.displacement.allFinite())
-    return fail(PALPATE_INVALID_ARGUMENT, "{}: place and displacement must be finite", __func__);
-  live->scene->touch.setHold(hold);
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    LiveTouch& touch = need("live", live).scene->touch;
+    if (place == nullptr) return touch.setHold(std::nullopt);
+    const Hold hold = {vectorOf(place), vectorOf("displacement", displacement)};
+    if (!hold.place.allFinite() || !hold.displacement.allFinite())
+      refuse("place and displacement must be finite");
+    touch.setHold(hold);
+  });
 }
 
 palpate_status palpate_live_hold_force(palpate_live* live, double force[3]) {
-  if (!isThere(__func__, "live", live) || !isThere(__func__, "force", force))
-    return PALPATE_INVALID_ARGUMENT;
-  Eigen::Vector3d::Map(force) = live->scene->touch.holdForce().value_or(nowhere());
-  return PALPATE_OK;
+  return answered(__func__, [&] {
+    LiveTouch& touch = need("live", live).scene->touch;
+    give(&need("force", force), touch.holdForce().value_or(nowhere()));
+  });
 }
 
 palpate_status palpate_live_dataset(const palpate_live* live, palpate_dataset** dataset) {
-  if (!isThere(__func__, "live", live) || !isThere(__func__, "dataset", dataset))
-    return PALPATE_INVALID_ARGUMENT;
-  *dataset = nullptr;
-  return withoutExceptions(__func__, [&] { *dataset = new palpate_dataset{live->scene->loaded}; });
+  return answered(__func__, [&] {
+    need("dataset", dataset) = nullptr;
+    *dataset = new palpate_dataset{need("live", live).scene->loaded};
+  });
 }
 
 palpate_status palpate_live_describe(const palpate_live* live, palpate_live_info* info) {
-  if (!isThere(__func__, "live", live) || !sizeIsKnown(__func__, "info", info))
-    return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(__func__, [&] {
-    const LiveStatistics statistics = live->scene->service->statistics();
+  return answered(__func__, [&] {
+    const LiveService& service = *need("live", live).scene->service;
+    const LiveStatistics statistics = service.statistics();
     palpate_live_info now{};
-    now.ready = live->scene->service->trouble().empty() ? 1 : 0;
+    now.ready = service.trouble().empty() ? 1 : 0;
     now.answers = statistics.answers;
     now.failures = statistics.failures;
     now.restarts = statistics.restarts;
     now.mean_seconds = statistics.meanSeconds();
     now.largest_seconds = statistics.largest_seconds;
-    give(info, now);
+    give("info", info, now);
   });
 }
 
 palpate_status palpate_live_trouble(const palpate_live* live, char* text, std::size_t capacity) {
-  if (!isThere(__func__, "live", live) || !isThere(__func__, "text", text) ||
-      !isEnough(__func__, capacity, 1))
-    return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(__func__, [&] {
-    const std::string trouble = live->scene->service->trouble();
-    text[trouble.copy(text, capacity - 1)] = '\0';
+  return answered(__func__, [&] {
+    const std::string trouble = need("live", live).scene->service->trouble();
+    const auto room = roomIn("text", text, capacity, 1);
+    text[trouble.copy(room.data(), capacity - 1)] = '\0';
   });
 }
