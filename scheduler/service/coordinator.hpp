@@ -68,12 +68,6 @@ class Coordinator {
   }
   /// Call with the connections that Connections closed because they exceeded its limits.
   void noteClosed(const Connections::Closed& closed, Time now);
-  /// Call when the local worker process `pid` ended by itself. The target that it was solving may
-  /// have killed it.
-  void workerProcessEnded(std::uint32_t pid, Time now) {
-    state_.now = now;
-    workers_.processEnded(pid);
-  }
 
   /// Stops handing out jobs, commits the waiting results and tells workers to leave.
   void stop(Time now);

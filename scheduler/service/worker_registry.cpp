@@ -138,12 +138,6 @@ Worker* WorkerRegistry::ofPeer(const std::string& peer) {
   return id == id_of_peer_.end() ? nullptr : &workers_.at(id->second);
 }
 
-Worker* WorkerRegistry::ofProcess(std::uint32_t pid) {
-  const auto found =
-      std::ranges::find(workers_, pid, [](const auto& entry) { return entry.second.pid; });
-  return found == workers_.end() ? nullptr : &found->second;
-}
-
 Worker* WorkerRegistry::find(const std::string& id) {
   const auto found = workers_.find(id);
   return found == workers_.end() ? nullptr : &found->second;

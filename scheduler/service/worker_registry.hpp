@@ -81,8 +81,6 @@ class WorkerRegistry {
 
   /// Returns the worker of this peer, or null.
   Worker* ofPeer(const std::string& peer);
-  /// Returns the first worker with this process number on any host; null if there is none.
-  Worker* ofProcess(std::uint32_t pid);
   /// Returns the worker with this id, or null.
   Worker* find(const std::string& id);
   /// Raises the number of jobs that a worker can take, up to most_credit. The limit prevents a

@@ -246,10 +246,6 @@ void Workers::unreachable(const std::string& peer) {
   lose(*worker);
 }
 
-void Workers::processEnded(std::uint32_t pid) {
-  if (const Worker* worker = registry.ofProcess(pid)) processEnded(std::string(worker->id));
-}
-
 void Workers::processEnded(const std::string& worker_id) {
   if (const Worker* worker = registry.find(worker_id)) {
     state_.chronicle.ended(*worker, leases.leasedTo(worker_id));

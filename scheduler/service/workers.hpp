@@ -45,7 +45,6 @@ class Workers {
   /// worker's process turns out to have ended.
   void lose(const Worker& worker);
   void unreachable(const std::string& peer);
-  void processEnded(std::uint32_t pid);
   /// Sets the kernel family to that of the first result. Workers with other kernels must say hello
   /// again. They are then told to use these kernels, or are refused with the reason.
   void settleKernels(const std::string& family);

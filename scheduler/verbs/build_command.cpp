@@ -1,8 +1,5 @@
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
 
-#include "common/base/assertion.hpp"
 #include "common/base/machine.hpp"
 #include "scheduler/fleet/worker_pool.hpp"
 #include "scheduler/verbs/served_build.hpp"
@@ -13,15 +10,10 @@
 namespace palpate {
 namespace {
 
-using std::chrono::milliseconds;
-
-/// Give up if this many workers in a row end without a new result. A target that kills its workers
-/// is set aside earlier.
-constexpr int deaths_without_progress = 20;
-/// The lower limit while no worker has ever connected: the program itself probably fails.
-constexpr int deaths_at_the_start = 3;
 /// If no worker has connected after this time, give up: the program hangs.
 constexpr std::chrono::minutes first_word_limit{2};
+/// Time for the workers to end; with --drain 1, they take at most two seconds.
+constexpr std::chrono::milliseconds longest_end{3000};
 
 struct BuildOptions {
   BuildOrder order;
@@ -38,56 +30,43 @@ struct BuildOptions {
   }
 };
 
-/// Worker processes on this machine. A process that ends is replaced.
+/// The workers on this machine: one `palpate-worker work`, which replaces those that die.
 class LocalWorkers : public Crew {
  public:
   LocalWorkers(const Server& server, Build& build, int workers)
       : coordinator_(build.coordinator()),
-        workers_(static_cast<std::size_t>(workers)),
-        pool_({programBeside("palpate-worker").string(), "work", "--connect", server.endpoint(),
-               "--keys", build.directory().keys().string(), "--alone", "--quiet"}) {
-    while (pool_.running() < workers_) pool_.start();
+        pool_({programBeside("palpate-worker").string(), "work", "-j", std::to_string(workers),
+               "--connect", server.endpoint(), "--keys", build.directory().keys().string(),
+               "--drain", "1", "--quiet"}) {
+    pool_.start();
   }
 
   void look() override {
-    if (coordinator_.recorded() > recorded_) deaths_ = 0;
-    recorded_ = coordinator_.recorded();
     joined_ = joined_ || coordinator_.workers() > 0;
     if (!joined_ && Clock::now() - started_ > first_word_limit)
       throw failure(
           "no worker has connected within {} min: run palpate-worker kernels to test this machine, "
           "and raise memory limits (ulimit -v)",
           first_word_limit.count());
-    for (const WorkerPool::Ended& ended : pool_.reap())
-      if (!coordinator_.complete() && !coordinator_.stopping()) replace(ended);
+    const std::vector<WorkerPool::Ended> ended = pool_.reap();
+    if (!ended.empty() && !coordinator_.complete() && !coordinator_.stopping())
+      throw failure(
+          "all workers ended, with {}: see their messages above; the same command continues from "
+          "the recorded results",
+          ended.front().how);
   }
   bool isThere() override {
     pool_.reap();
     return pool_.running() > 0;
   }
-  void end() override { pool_.terminate(milliseconds(2000)); }
+  void end() override { pool_.terminate(longest_end); }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void replace(const WorkerPool::Ended& ended) {
-    coordinator_.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
-    if (++deaths_ >= (joined_ ? deaths_without_progress : deaths_at_the_start))
-      throw failure(
-          "{} workers in a row ended without a result, the last with {}: see their messages above; "
-          "the same command continues from the recorded results",
-          deaths_, ended.how);
-    spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
-    PALPATE_ASSERT(pool_.running() < workers_, "a worker must replace one that ended");
-    pool_.start();
-  }
-
-  Coordinator& coordinator_;
-  const std::size_t workers_;
+  const Coordinator& coordinator_;
   WorkerPool pool_;
   const Clock::time_point started_ = Clock::now();
-  std::int64_t recorded_ = 0;
-  int deaths_ = 0;  ///< number of workers that ended in a row without a new result
   bool joined_ = false;
 };
 

@@ -243,7 +243,7 @@ TEST_F(AccidentTest, ASuspendedMachineLosesNoWorker) {
   const std::chrono::seconds asleep(test::longTestsAreWanted() ? 65 : 4);
   auto build = startBuild("out.h5", "2");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
-  const std::vector<pid_t> workers = build->children();
+  const std::vector<pid_t> workers = build->workers();
   build->signal(SIGSTOP);
   for (const pid_t worker : workers) kill(worker, SIGSTOP);
   std::this_thread::sleep_for(asleep);

@@ -106,7 +106,7 @@ TEST_F(SystemTest, KillsOfSchedulersAndWorkersLeaveNoTrace) {
       break;
     }
     if (round % 2 == 0) {
-      for (const pid_t worker : build->children()) killed_workers += kill(worker, SIGKILL) == 0;
+      for (const pid_t worker : build->workers()) killed_workers += kill(worker, SIGKILL) == 0;
       if (!journalGrows(*build, "killed.h5.state", 25000)) {
         expectFinished(*build);
         break;
@@ -211,7 +211,7 @@ TEST_F(SystemTest, SimultaneousSignalsCountAsOneAndLetWorkersFinish) {
   for (const int number : {SIGTERM, SIGINT}) {
     auto build = startBuild("out.h5", "2");
     ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
-    const std::vector<pid_t> workers = build->children();
+    const std::vector<pid_t> workers = build->workers();
     build->signal(number);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     EXPECT_EQ(build->stop(number), 130) << build->output();

@@ -102,13 +102,22 @@ class Process {
   }
   std::string output() const { return contentOf(output_); }
   /// Returns the child processes in any order.
-  std::vector<pid_t> children() const {
-    std::ifstream file("/proc/" + std::to_string(pid_) + "/task/" + std::to_string(pid_) +
-                       "/children");
-    return {std::istream_iterator<pid_t>(file), {}};
+  std::vector<pid_t> children() const { return childrenOf(pid_); }
+  /// Returns the workers of `palpate build`, which its child watches.
+  std::vector<pid_t> workers() const {
+    std::vector<pid_t> all;
+    for (const pid_t supervisor : children())
+      for (const pid_t worker : childrenOf(supervisor)) all.push_back(worker);
+    return all;
   }
 
  private:
+  static std::vector<pid_t> childrenOf(pid_t parent) {
+    const std::string name = std::to_string(parent);
+    std::ifstream file("/proc/" + name + "/task/" + name + "/children");
+    return {std::istream_iterator<pid_t>(file), {}};
+  }
+
   inline static int started_ = 0;
   std::filesystem::path output_;
   pid_t pid_ = -1;

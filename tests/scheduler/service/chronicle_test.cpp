@@ -41,7 +41,9 @@ TEST_F(ChronicleTest, LogsHowWorkersJoinAndLeave) {
   world.join("b", 2, 7);
   world.pass(25ms);
   world.send("a", test::goodbyeOf("told\nto"));
-  world.coordinator().workerProcessEnded(7, world.now);
+  wire::Message successor = test::helloOf("e");
+  successor.mutable_hello()->add_ended("b");
+  world.send("e", successor);
   world.join("c", 2);
   world.coordinator().peerUnreachable("c", world.now);
   world.send("d", [] {
@@ -49,7 +51,7 @@ TEST_F(ChronicleTest, LogsHowWorkersJoinAndLeave) {
     hello.mutable_hello()->set_version("other");
     return hello;
   }());
-  EXPECT_THAT(events("worker_joined"), SizeIs(3));
+  EXPECT_THAT(events("worker_joined"), SizeIs(4));
   EXPECT_THAT(events("worker_left"), ElementsAre(AllOf(HasSubstr(R"("worker":"61","host":"here")"),
                                                        HasSubstr("told?to"))));
   EXPECT_THAT(events("worker_ended"), ElementsAre(HasSubstr(R"("pid":7)")));

@@ -284,13 +284,21 @@ struct SetAsideTest : CoordinatorTest {
   }
   void killFive() {
     for (int death = 0; death < deaths_before_aside; ++death) {
-      world.join("victim", 1, 1000);
-      for (const wire::Job& job : world.takeJobs("victim")) {
+      const std::string victim = fmt::format("victim{}", death);
+      world.join(victim, 1);
+      for (const wire::Job& job : world.takeJobs(victim)) {
         ASSERT_TRUE(kills(job));
-        world.beat("victim", &job);
+        world.beat(victim, &job);
       }
-      world.coordinator().workerProcessEnded(1000, world.now);
+      reportEnd(victim);
     }
+  }
+  /// The successor of a worker reports that its process ended, and leaves.
+  void reportEnd(const std::string& id) {
+    Message hello = test::helloOf(id + "-next");
+    hello.mutable_hello()->add_ended(id);
+    world.send("next", hello);
+    world.send("next", test::goodbyeOf());
   }
   /// Completes everything else.
   void finishTheRest() {
@@ -337,8 +345,8 @@ TEST_F(SetAsideTest, ARestartRemembersItAndRetryRepeatsIt) {
 
 TEST_F(SetAsideTest, ALateResultReplacesIt) {
   killFive();
-  world.join("victim", 0);
-  world.deliver("victim", 0, toWire(LatticePoint{}), toWire(LatticePoint{}));
+  world.join("victim0", 0);
+  world.deliver("victim0", 0, toWire(LatticePoint{}), toWire(LatticePoint{}));
   world.join("a", 1);
   world.finish({"a"});
   EXPECT_EQ(world.sealedContent(), undisturbed());
@@ -351,10 +359,7 @@ TEST_F(SetAsideTest, AnotherWorkerReportsWhichProcessesEnded) {
     for (const wire::Job& job : world.takeJobs(id)) world.beat(id, &job);
     // The scheduler notices half of the deaths earlier, by the broken connections.
     if (death % 2 == 0) world.coordinator().peerUnreachable(id, world.now);
-    Message hello = test::helloOf(id + "-next");
-    hello.mutable_hello()->add_ended(id);
-    world.send("next", hello);
-    world.send("next", test::goodbyeOf());
+    reportEnd(id);
   }
   EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
 }

@@ -124,8 +124,7 @@ TEST_F(WorkerRegistryTest, ItsRowsShowBusyAndDepartedWorkers) {
   EXPECT_EQ(rows[0].state(), "idle");
   EXPECT_EQ(rows[0].heard_seconds_ago(), 3);
   EXPECT_EQ(rows[1].state(), "busy");
-  registry.remove(*registry.ofProcess(2), "lost", now);
-  EXPECT_EQ(registry.ofProcess(2), nullptr);
+  registry.remove(*registry.find("b"), "lost", now);
   EXPECT_EQ(registry.ofPeer("q"), nullptr);
   const auto departed = registry.takeDeparted();
   ASSERT_EQ(departed.size(), 1u);
