@@ -1,8 +1,6 @@
 #include "viewer/growing_dataset.hpp"
 
-#include <signal.h>
 #include <spdlog/spdlog.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <map>
@@ -31,16 +29,6 @@ constexpr int rest_of_loads = 4;
 constexpr std::size_t preferred_sites = 12;
 
 std::string stateOf(const std::filesystem::path& output) { return output.string() + ".state"; }
-
-/// Returns the exit code of a child that has ended; nullopt while it runs. Error if waitpid()
-/// fails.
-std::optional<int> exitCodeOf(pid_t child) {
-  int status = 0;
-  const pid_t ended = waitpid(child, &status, WNOHANG);
-  if (ended < 0) throw failure("cannot wait for palpate build: {}", errnoText());
-  if (ended == 0) return std::nullopt;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
 
 /// Runs a verb of palpate. Returns whether it succeeded.
 bool palpate(std::vector<std::string> words) {
@@ -98,30 +86,25 @@ void GrowingDataset::stopLoading() {
 void GrowingDataset::run(const std::stop_token& stop) {
   giveWay();  // the build inherits the priority
   const unsigned workers = std::max(cores_left + 1, coreCount()) - cores_left;
-  const pid_t child = startChild({programBeside("palpate").string(), "build", scene_.string(), "-o",
-                                  output_.string(), "--state", stateOf(output_), "-j",
-                                  std::to_string(workers), "-q"});
-  std::optional<int> code;
-  while (!(code = exitCodeOf(child)) && !stop.stop_requested()) {
+  ChildProcess build({programBeside("palpate").string(), "build", scene_.string(), "-o",
+                      output_.string(), "--state", stateOf(output_), "-j", std::to_string(workers),
+                      "-q"});
+  while (build.running() && !stop.stop_requested()) {
     passPreference();
     if (Clock::now() >= next_load_) loadResults();
     std::this_thread::sleep_for(build_poll);
   }
+  if (build.running()) {
+    spdlog::info("{} is not complete; continue with: palpate build {} -o {}", output_.string(),
+                 shellWord(scene_.string()), shellWord(output_.string()));
+    return build.terminate(end_patience);
+  }
   // Exit code 3: complete, but some points have no equilibrium.
-  if (const int ended = code.value_or(-1); ended == 0 || ended == 3) {
-    spdlog::info("{} is complete", output_.string());
-    return load(output_);
-  }
-  if (code)
-    return spdlog::warn("the build of {} has ended with exit code {}; its messages are above",
-                        output_.string(), *code);
-  spdlog::info("{} is not complete; continue with: palpate build {} -o {}", output_.string(),
-               shellWord(scene_.string()), shellWord(output_.string()));
-  kill(child, SIGTERM);
-  for (auto waited = 0ms; !exitCodeOf(child); waited += build_poll) {
-    if (waited == end_patience) kill(child, SIGKILL);
-    std::this_thread::sleep_for(build_poll);
-  }
+  if (build.exitCode() != 0 && build.exitCode() != 3)
+    return spdlog::warn("the build of {} has ended with {}; its messages are above",
+                        output_.string(), build.how());
+  spdlog::info("{} is complete", output_.string());
+  load(output_);
 }
 
 /// Raises the priority of one preferred space above all priorities so far. Chooses the farthest

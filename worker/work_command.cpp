@@ -1,11 +1,12 @@
 #include <spdlog/spdlog.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
 #include <deque>
 #include <future>
+#include <list>
+#include <memory>
 #include <thread>
 
 #include "common/base/bytes32.hpp"
@@ -127,21 +128,17 @@ ExitCode runOneWorker(const WorkOptions& options, std::optional<KeyFolder> keys)
 
 using Clock = std::chrono::steady_clock;
 
-/// A process that the supervisor keeps running.
-struct Child {
-  std::string id;  ///< id by which the scheduler knows this worker
-  Clock::time_point started;
-};
-
 /// Starts a worker with the options of this process. It ends when this process ends.
-pid_t startWorker(const std::string& id, const std::vector<std::string>& ended) {
+std::unique_ptr<ChildProcess> startWorker(const std::string& id,
+                                          const std::vector<std::string>& ended) {
   std::vector<std::string> words = commandLine();
   words.insert(words.end(), {"--alone", "--id", hexOf(id)});
   for (const std::string& other : ended) words.insert(words.end(), {"--ended", hexOf(other)});
   // If this process dies, the child gets SIGTERM and not SIGKILL, so that it delivers the work in
   // progress. This file may be replaced while the supervisor runs; its workers stay the same
   // program.
-  return startChild(std::move(words), {.program = "/proc/self/exe", .death_signal = SIGTERM});
+  return std::make_unique<ChildProcess>(
+      std::move(words), ChildSettings{.program = "/proc/self/exe", .death_signal = SIGTERM});
 }
 
 /// Keeps the requested number of workers running. A worker that dies is replaced, after a pause if
@@ -160,7 +157,13 @@ class Supervisor {
         pauses_.pop_front();
         start();
       }
-      if (!reapOne()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      const std::size_t before = children_.size();
+      std::erase_if(children_, [&](const Child& child) {
+        const bool ended = !child.process->running();
+        if (ended && !ending_) takeEnd(child);
+        return ended;
+      });
+      if (children_.size() == before) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     return interrupted() ? ExitCode::interrupted : result_;
   }
@@ -172,57 +175,54 @@ class Supervisor {
   /// and not the work. The last one is then not replaced.
   static constexpr int most_short_lives = 8;
 
+  /// A process that the supervisor keeps running.
+  struct Child {
+    std::string id;  ///< id by which the scheduler knows this worker
+    Clock::time_point started;
+    std::unique_ptr<ChildProcess> process;
+  };
+
   void start() {
-    Child child{randomWorkerId(), Clock::now()};
-    const pid_t pid = startWorker(child.id, ended_);
+    const std::string id = randomWorkerId();
+    children_.push_back({id, Clock::now(), startWorker(id, ended_)});
     ended_.clear();
-    children_.emplace(pid, std::move(child));
   }
 
   void endOthers() {
     pauses_.clear();
     if (std::exchange(ending_, true)) return;
-    for (const auto& [pid, child] : children_) kill(pid, SIGTERM);
+    for (const Child& child : children_) child.process->send(SIGTERM);
   }
 
-  /// Handles the end of one child. Returns false if no child has ended.
-  bool reapOne() {
-    int status = 0;
-    const pid_t pid = waitpid(-1, &status, WNOHANG);
-    if (pid < 0 && errno != EINTR && errno != ECHILD) throw failure("waitpid: {}", errnoText());
-    if (pid <= 0) return false;
-    const auto child = children_.extract(pid);
-    if (child.empty()) return true;  // a child of the shell that exec replaced by this program
-    if (ending_) return true;
-    if (!WIFSIGNALED(status)) {
+  void takeEnd(const Child& child) {
+    const int signal = child.process->signal();
+    if (signal == 0) {
       // A worker that exits with an error reports why: it was refused, the scheduler is silent, or
       // memory is short. A replacement would fail as well.
-      const bool done = WEXITSTATUS(status) == static_cast<int>(ExitCode::done);
+      const bool done = child.process->exitCode() == static_cast<int>(ExitCode::done);
       if (!done) result_ = ExitCode::failed;
       // This worker ended because the scheduler has no more work, so workers that have not reached
       // the scheduler yet would wait in vain. With --leave-idle, however, a worker may have ended
       // only because it was idle itself.
       if (done && options_->session.leave_idle_s == 0) endOthers();
-      return true;
+      return;
     }
-    ended_.push_back(child.mapped().id);
-    const bool lived_short = Clock::now() - child.mapped().started < short_life;
+    ended_.push_back(child.id);
+    const bool lived_short = Clock::now() - child.started < short_life;
     short_lives_ = lived_short ? short_lives_ + 1 : 0;
-    const int number = WTERMSIG(status);
     if (short_lives_ >= most_short_lives) {
       spdlog::error(
-          "worker {} died of signal {} right after its start, like {} before it; giving up", pid,
-          number, most_short_lives - 1);
+          "worker {} died of signal {} right after its start, like {} before it; giving up",
+          child.process->id(), signal, most_short_lives - 1);
       result_ = ExitCode::failed;
-      return true;
+      return;
     }
-    spdlog::warn("worker {} died of signal {}; starting another", pid, number);
+    spdlog::warn("worker {} died of signal {}; starting another", child.process->id(), signal);
     pauses_.push_back(Clock::now() + short_lives_ * first_pause);
-    return true;
   }
 
   const WorkOptions* options_;
-  std::map<pid_t, Child> children_;
+  std::list<Child> children_;
   std::deque<Clock::time_point> pauses_;  ///< times at which to start another worker, ascending
   std::vector<std::string> ended_;        ///< dead workers to report to the scheduler
   int short_lives_ = 0;                   ///< number of short lives in a row

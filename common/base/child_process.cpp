@@ -4,6 +4,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstring>
+#include <thread>
+
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/whole_file.hpp"
@@ -44,6 +47,46 @@ pid_t startChild(std::vector<std::string> words, const ChildSettings& settings) 
   // Linux allows async-signal-safe calls here. NOLINTNEXTLINE(clang-analyzer-unix.Vfork)
   if (child == 0) become(parent, arguments.data(), settings);
   return child;
+}
+
+bool ChildProcess::running() {
+  if (status_) return false;
+  int status = 0;
+  const pid_t done = waitpid(pid_, &status, WNOHANG);
+  if (done == 0 || (done < 0 && errno == EINTR)) return true;
+  PALPATE_ASSERT(done == pid_, "no other part of this process may wait for this child");
+  status_ = status;
+  return false;
+}
+
+int ChildProcess::signal() const {
+  const int status = status_.value();
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+int ChildProcess::exitCode() const {
+  const int status = status_.value();
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+std::string ChildProcess::how() const {
+  if (const int number = signal(); number != 0)
+    return fmt::format("signal {} ({})", number, strsignal(number));
+  return fmt::format("exit code {}", exitCode());
+}
+
+void ChildProcess::send(int signal) {
+  if (running()) kill(pid_, signal);
+}
+
+void ChildProcess::terminate(std::chrono::milliseconds grace) {
+  send(SIGTERM);
+  const auto deadline = std::chrono::steady_clock::now() + grace;
+  while (running() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  // Wait without a time limit: no process survives SIGKILL.
+  send(SIGKILL);
+  if (!status_) status_ = waitFor(pid_);
 }
 
 std::vector<std::string> commandLine() {

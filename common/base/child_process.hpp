@@ -4,6 +4,8 @@
 #include <sys/types.h>
 
 #include <array>
+#include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,34 @@ struct ChildSettings {
 /// be executed ends with exit code 127. Error if no process can be started. The caller must wait
 /// for the child (waitpid).
 pid_t startChild(std::vector<std::string> words, const ChildSettings& settings = {});
+
+/// A program that runs as a child, started as by startChild(). One thread: the kernel ties the life
+/// of a child to the thread that started it.
+class ChildProcess {
+ public:
+  explicit ChildProcess(std::vector<std::string> words, const ChildSettings& settings = {})
+      : pid_(startChild(std::move(words), settings)) {}
+  /// Ends the program if it still runs.
+  ~ChildProcess() { terminate(std::chrono::milliseconds(0)); }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  pid_t id() const { return pid_; }
+  bool running();
+  /// Number of the signal that ended the program; 0 if it exited. Call this and the following two
+  /// functions only after the end.
+  int signal() const;
+  int exitCode() const;
+  std::string how() const;  ///< how the program ended: "exit code 1", "signal 9 (Killed)"
+  /// Sends a signal, if the program still runs.
+  void send(int signal);
+  /// Sends SIGTERM, and after `grace` SIGKILL. Returns when the program has ended.
+  void terminate(std::chrono::milliseconds grace);
+
+ private:
+  pid_t pid_;
+  std::optional<int> status_;  ///< as waitpid gives it; none while the program runs
+};
 
 /// Returns the words of the command line by which this program was started.
 std::vector<std::string> commandLine();

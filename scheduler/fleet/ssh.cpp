@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/number_in.hpp"
 
@@ -57,7 +56,8 @@ const char* meaningOf(const std::string& how) {
 }  // namespace
 
 SshHosts::SshHosts(const SshOptions& options, const std::vector<std::string>& hosts) {
-  for (const std::string& host : hosts) hosts_.emplace_back(host, wordsFor(options, host));
+  for (const std::string& host : hosts)
+    hosts_.push_back({.name = host, .command = wordsFor(options, host)});
 }
 
 void SshHosts::checkHost(const std::string& host) { parsed(host); }
@@ -72,25 +72,26 @@ std::string SshHosts::told(const SshOptions& options, const std::string& host) {
 
 void SshHosts::keep(Time now) {
   for (Host& host : hosts_) {
-    for (const WorkerPool::Ended& ended : host.connection.reap()) {
-      host.done = ended.how == "exit code 0";
+    if (host.connection && !host.connection->running()) {
+      const std::string how = host.connection->how();
+      host.connection.reset();
+      host.done = how == "exit code 0";
       if (host.done) continue;
       if (now - host.begun > long_enough) host.retry.succeeded();
       host.retry.failed(now);
       spdlog::warn("{}: ssh ended with {} ({}see its messages above); trying again in {} s",
-                   host.name, ended.how, meaningOf(ended.how), host.retry.pause().count());
+                   host.name, how, meaningOf(how), host.retry.pause().count());
     }
-    if (host.connection.running() > 0 || host.done || !host.retry.over(now)) continue;
-    PALPATE_ASSERT(host.connection.running() == 0, "a machine must have at most one connection");
-    host.connection.start();
+    if (host.connection || host.done || !host.retry.over(now)) continue;
+    host.connection = std::make_unique<ChildProcess>(host.command);
     host.begun = now;
     spdlog::info("{}: starting workers", host.name);
   }
 }
 
 std::size_t SshHosts::running() const {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      hosts_, [](const Host& host) { return host.connection.running() > 0; }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(hosts_, [](const Host& host) { return host.connection != nullptr; }));
 }
 
 bool SshHosts::done() const {
@@ -98,7 +99,8 @@ bool SshHosts::done() const {
 }
 
 void SshHosts::terminate(std::chrono::milliseconds grace) {
-  for (Host& host : hosts_) host.connection.terminate(grace);
+  for (Host& host : hosts_)
+    if (host.connection) host.connection->terminate(grace);
 }
 
 }  // namespace palpate

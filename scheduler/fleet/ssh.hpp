@@ -1,11 +1,11 @@
 #pragma once
 
-#include <deque>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "common/base/child_process.hpp"
 #include "scheduler/fleet/launches.hpp"
-#include "scheduler/fleet/worker_pool.hpp"
 
 namespace palpate {
 
@@ -42,15 +42,14 @@ class SshHosts {
 
  private:
   struct Host {
-    Host(std::string of, std::vector<std::string> command)
-        : name(std::move(of)), connection(std::move(command)) {}
     std::string name;
-    WorkerPool connection;
-    Time begun;
+    std::vector<std::string> command;
+    std::unique_ptr<ChildProcess> connection = nullptr;  ///< null: none
+    Time begun = {};
     Backoff retry{std::chrono::seconds(5)};
     bool done = false;
   };
-  std::deque<Host> hosts_;  // a deque, because a pool cannot be moved
+  std::vector<Host> hosts_;
 };
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
+#include "common/base/child_process.hpp"
 #include "common/base/machine.hpp"
-#include "scheduler/fleet/worker_pool.hpp"
 #include "scheduler/verbs/served_build.hpp"
 #include "scheduler/verbs/verbs.hpp"
 
@@ -35,11 +35,9 @@ class LocalWorkers : public Crew {
  public:
   LocalWorkers(const Server& server, Build& build, int workers)
       : coordinator_(build.coordinator()),
-        pool_({programBeside("palpate-worker").string(), "work", "-j", std::to_string(workers),
-               "--connect", server.endpoint(), "--keys", build.directory().keys().string(),
-               "--drain", "1", "--quiet"}) {
-    pool_.start();
-  }
+        supervisor_({programBeside("palpate-worker").string(), "work", "-j",
+                     std::to_string(workers), "--connect", server.endpoint(), "--keys",
+                     build.directory().keys().string(), "--drain", "1", "--quiet"}) {}
 
   void look() override {
     joined_ = joined_ || coordinator_.workers() > 0;
@@ -48,24 +46,20 @@ class LocalWorkers : public Crew {
           "no worker has connected within {} min: run palpate-worker kernels to test this machine, "
           "and raise memory limits (ulimit -v)",
           first_word_limit.count());
-    const std::vector<WorkerPool::Ended> ended = pool_.reap();
-    if (!ended.empty() && !coordinator_.complete() && !coordinator_.stopping())
+    if (!supervisor_.running() && !coordinator_.complete() && !coordinator_.stopping())
       throw failure(
           "all workers ended, with {}: see their messages above; the same command continues from "
           "the recorded results",
-          ended.front().how);
+          supervisor_.how());
   }
-  bool isThere() override {
-    pool_.reap();
-    return pool_.running() > 0;
-  }
-  void end() override { pool_.terminate(longest_end); }
+  bool isThere() override { return supervisor_.running(); }
+  void end() override { supervisor_.terminate(longest_end); }
 
  private:
   using Clock = std::chrono::steady_clock;
 
   const Coordinator& coordinator_;
-  WorkerPool pool_;
+  ChildProcess supervisor_;
   const Clock::time_point started_ = Clock::now();
   bool joined_ = false;
 };

@@ -1,8 +1,5 @@
 #include "viewer/live/live_link.hpp"
 
-#include <signal.h>
-#include <sys/wait.h>
-
 #include "common/base/child_process.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
@@ -31,26 +28,15 @@ constexpr double speed_time = 0.004;
 
 /// A live solver as a child process. Its socket lies in a directory that only this user can open.
 struct LiveLink::Follower {
-  explicit Follower(const std::string& worker) {
-    pid = startChild({worker.empty() ? programBeside("palpate-worker").string() : worker, "follow",
-                      "--quiet", "--insecure", "--listen", endpoint()});
-  }
-  ~Follower() {
-    if (!ended()) {
-      kill(pid, SIGKILL);  // it has nothing to save, and may be in a long solve
-      waitFor(pid);
-    }
-  }
+  explicit Follower(const std::string& worker)
+      : process({worker.empty() ? programBeside("palpate-worker").string() : worker, "follow",
+                 "--quiet", "--insecure", "--listen", endpoint()}) {}
 
   std::string endpoint() const { return "ipc://" + (folder / "follower").string(); }
-  bool ended() {
-    if (!over) over = waitpid(pid, nullptr, WNOHANG) != 0;
-    return over;
-  }
+  bool ended() { return !process.running(); }
 
   ScratchFolder folder;
-  pid_t pid = -1;
-  bool over = false;
+  ChildProcess process;  ///< is killed at the end: it has nothing to save
 };
 
 LiveLink::LiveLink(LiveTouch& touch, LiveLinkOptions options)
