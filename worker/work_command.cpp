@@ -9,6 +9,7 @@
 #include <memory>
 #include <thread>
 
+#include "common/base/assertion.hpp"
 #include "common/base/bytes32.hpp"
 #include "common/base/child_process.hpp"
 #include "common/keys/key_options.hpp"
@@ -183,6 +184,8 @@ class Supervisor {
   };
 
   void start() {
+    PALPATE_ASSERT(std::ssize(children_) < options_->workers,
+                   "a worker must replace one that ended");
     const std::string id = randomWorkerId();
     children_.push_back({id, Clock::now(), startWorker(id, ended_)});
     ended_.clear();

@@ -16,6 +16,8 @@ TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
       organ_.shapes.modes.size() == 3 * organ_.vertices.size() * organ_.shapes.mode_count &&
           organ_.shapes.shares.size() == organ_.spaces.size(),
       "each mode must have all vertices, and each space its weights");
+  PALPATE_ASSERT(organ_.shapes.mode_count % 3 == 0,
+                 "DisplacementField interpolates the shares of the modes as triples");
   for (const CarriedTouch& touch : organ_.touches) {
     PALPATE_ASSERT(!touch.spaces.empty(), "a touchable part must have a space");
     Touched& touched = touched_.emplace_back();
