@@ -283,8 +283,8 @@ TEST_F(SystemTest, APausedBuildStaysPausedAfterAKillUntilResumed) {
   EXPECT_THAT(ask("status"), HasSubstr("stopped, paused"));
   auto again = startBuild("out.h5", "2");
   // It says so before it announces its address, without which it counts as stopped.
-  EXPECT_TRUE(test::eventually(
-      [&] { return ask("status").find("running, paused") != std::string::npos; }));
+  EXPECT_TRUE(
+      test::eventually([&] { return ask("status").find("running, paused") != std::string::npos; }));
   EXPECT_THAT(ask("resume"), HasSubstr("continues"));
   expectFinished(*again);
   EXPECT_THAT(ask("pause"), HasSubstr("the next build there waits"));

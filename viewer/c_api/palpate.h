@@ -535,12 +535,12 @@ PALPATE_API void palpate_live_stop(palpate_live* live);
 
 /* A second finger, which holds the body while the contact touches it. It sticks to the surface at
  * `place` (m, at rest) and keeps the displacement `displacement` (m) there, also if it must pull.
- * Another place is a new hold; place = NULL ends it. The contact feels it as soon as the live solver
- * has answered (`mean_seconds`). Only one thread may call these two functions, which may be another
- * one than that of the contact. Real time.
- * palpate_live_hold_force writes the force of the tissue on the hold, N, in the last update of the
- * contact; NaN without a hold, while the contact does not touch, and before the live solver has
- * answered. If no finger can be at `place`, the solver reports failures. */
+ * Another place is a new hold; place = NULL ends it. The contact feels it as soon as the live
+ * solver has answered (`mean_seconds`). Only one thread may call these two functions, which may be
+ * another one than that of the contact. Real time. palpate_live_hold_force writes the force of the
+ * tissue on the hold, N, in the last update of the contact; NaN without a hold, while the contact
+ * does not touch, and before the live solver has answered. If no finger can be at `place`, the
+ * solver reports failures. */
 PALPATE_API palpate_status palpate_live_hold(palpate_live* live, const double place[3],
                                              const double displacement[3]);
 PALPATE_API palpate_status palpate_live_hold_force(palpate_live* live, double force[3]);
