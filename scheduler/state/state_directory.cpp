@@ -93,15 +93,16 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   if (made) std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   refuseNetworkFileSystem(path);
   lock_ = takeLock(path);
+  // Remove the address of an earlier scheduler, which no longer listens there, before the syncs
+  // below: commands would ask it and wait in vain.
+  std::filesystem::remove(path / endpoint_file, error);
+  if (error)
+    throw failure("{}: cannot remove: {}", (path / endpoint_file).string(), error.message());
   // Sync the folder above a new folder: a power cut could otherwise remove the new folder with
   // everything in it. A folder with tables is not new. Its results may be acknowledged already, so
   // a sync would come too late.
   if (!std::filesystem::exists(database())) syncFolder(above);
   writeText(path / "lock", std::to_string(getpid()) + '\n');
-  // Remove the address of an earlier scheduler, which no longer listens there.
-  std::filesystem::remove(path / endpoint_file, error);
-  if (error)
-    throw failure("{}: cannot remove: {}", (path / endpoint_file).string(), error.message());
 }
 
 void StateDirectory::announce(const Address& address) const {

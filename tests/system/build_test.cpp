@@ -282,8 +282,8 @@ TEST_F(SystemTest, APausedBuildStaysPausedAfterAKillUntilResumed) {
   build->stop(SIGKILL);
   EXPECT_THAT(ask("status"), HasSubstr("stopped, paused"));
   auto again = startBuild("out.h5", "2");
-  // It says so before it announces its address, without which it counts as stopped.
-  EXPECT_TRUE(
+  ASSERT_TRUE(test::says(*again, "paused by"));
+  EXPECT_TRUE(  // until it announces its address, it is still reading
       test::eventually([&] { return ask("status").find("running, paused") != std::string::npos; }));
   EXPECT_THAT(ask("resume"), HasSubstr("continues"));
   expectFinished(*again);
