@@ -121,7 +121,7 @@ class Solving {
     if (options_.hold.empty()) {
       start = solver_.startAtRest(failure);
     } else {
-      const Reached held = hold();
+      Reached held = hold();
       spent = held.outcome.cost;
       if (!held.outcome.converged()) return held;
       start = solver_.hold(*held.end, {place_.value(), finger()->radius}, failure);

@@ -49,6 +49,12 @@ pid_t startChild(std::vector<std::string> words, const ChildSettings& settings) 
   return child;
 }
 
+ChildProcess::~ChildProcess() {
+  if (status_) return;
+  kill(pid_, SIGKILL);  // the number cannot belong to another process before waitFor()
+  waitFor(pid_);
+}
+
 bool ChildProcess::running() {
   if (status_) return false;
   int status = 0;

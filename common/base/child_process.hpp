@@ -33,8 +33,7 @@ class ChildProcess {
  public:
   explicit ChildProcess(std::vector<std::string> words, const ChildSettings& settings = {})
       : pid_(startChild(std::move(words), settings)) {}
-  /// Ends the program if it still runs.
-  ~ChildProcess() { terminate(std::chrono::milliseconds(0)); }
+  ~ChildProcess();  ///< kills the program if it still runs
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
