@@ -52,10 +52,10 @@ struct SmallBuild : testing::Test {
   /// scenes, meshes and kernel families.
   std::string undisturbed() {
     static std::map<std::string, std::string> known;
-    const char* kernels = std::getenv("PALPATE_KERNELS");
-    std::string& dataset =
-        known[contentOf(directory / "cube.toml") + contentOf(directory / "cube.msh") +
-              (kernels != nullptr ? kernels : "")];
+    std::string key = contentOf(directory / "cube.toml") + contentOf(directory / "cube.msh");
+    for (const char* chosen : {"PALPATE_KERNELS", "OPENBLAS_CORETYPE"})
+      if (const char* value = std::getenv(chosen)) key += value + std::string(" ");
+    std::string& dataset = known[key];
     if (!dataset.empty()) return dataset;
     auto build = startBuild("undisturbed.h5", "1");
     expectFinished(*build);
