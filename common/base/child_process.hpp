@@ -42,7 +42,7 @@ class ChildProcess {
   /// Number of the signal that ended the program; 0 if it exited. Call this and the following two
   /// functions only after the end.
   int signal() const;
-  int exitCode() const;
+  int exitCode() const;     ///< 128 + signal() if a signal ended the program
   std::string how() const;  ///< how the program ended: "exit code 1", "signal 9 (Killed)"
   /// Sends a signal, if the program still runs.
   void send(int signal);

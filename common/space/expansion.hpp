@@ -14,7 +14,7 @@ struct Hold {
 
 /// Derivatives of a finger's energy E(s, p) with respect to the displacement h of a hold.
 struct Held {
-  Hold at;
+  Hold at;                                          ///< the hold in the equilibrium
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, -dE/dh, of the tissue on the hold
   /// N/m, [a, b] = d force_a / d h_b, symmetric
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
@@ -32,7 +32,7 @@ struct Expansion {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< s of the equilibrium, metres
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< p of the equilibrium, metres
   Equilibrium equilibrium;
-  std::optional<Held> held = {};
+  std::optional<Held> held = {};  ///< if a second finger holds the body
 
   struct Sample {
     double energy = 0;                                     ///< J

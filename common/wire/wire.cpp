@@ -195,6 +195,23 @@ void setVector(const Eigen::Vector3d& vector, std::string& bytes) {
   bytes.assign(reinterpret_cast<const char*>(vector.data()), 3 * sizeof(double));
 }
 
+void toWire(const Hold& hold, wire::Hold& message) {
+  setVector(hold.place, *message.mutable_place());
+  setVector(hold.displacement, *message.mutable_displacement());
+}
+
+bool readHold(const wire::Hold& message, Hold& hold) {
+  return readMatrix(message.place(), hold.place) &&
+         readMatrix(message.displacement(), hold.displacement);
+}
+
+bool readHeld(const wire::Held& message, Held& held) {
+  return readHold(message.at(), held.at) && readMatrix(message.force(), held.force) &&
+         readMatrix(message.stiffness(), held.stiffness) &&
+         readMatrix(message.force_by_hold(), held.force_by_hold) &&
+         readMatrix(message.drive_by_hold(), held.drive_by_hold);
+}
+
 void toWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
   setVector(equilibrium.force, *message.mutable_force());
   message.set_stiffness(matrixBytes(equilibrium.stiffness));
@@ -495,20 +512,6 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
   return Outcome{*failure, cost};
 }
 
-namespace {
-
-void toWire(const Hold& hold, wire::Hold& message) {
-  setVector(hold.place, *message.mutable_place());
-  setVector(hold.displacement, *message.mutable_displacement());
-}
-
-bool readHold(const wire::Hold& message, Hold& hold) {
-  return readMatrix(message.place(), hold.place) &&
-         readMatrix(message.displacement(), hold.displacement);
-}
-
-}  // namespace
-
 void toWire(const HandMotion& hand, wire::HandMotion& message) {
   setVector(hand.place, *message.mutable_place());
   setVector(hand.displacement, *message.mutable_displacement());
@@ -553,15 +556,9 @@ std::optional<Followed> fromWire(const wire::Followed& message) {
   if (!message.has_equilibrium()) return std::nullopt;
   const auto equilibrium = fromWire(message.equilibrium());
   Expansion expansion;
-  const auto isHeld = [](const wire::Held& given, Held& held) {
-    return readHold(given.at(), held.at) && readMatrix(given.force(), held.force) &&
-           readMatrix(given.stiffness(), held.stiffness) &&
-           readMatrix(given.force_by_hold(), held.force_by_hold) &&
-           readMatrix(given.drive_by_hold(), held.drive_by_hold);
-  };
   const bool valid = equilibrium && readMatrix(message.place(), expansion.place) &&
                      readMatrix(message.displacement(), expansion.displacement) &&
-                     (!message.has_held() || isHeld(message.held(), expansion.held.emplace()));
+                     (!message.has_held() || readHeld(message.held(), expansion.held.emplace()));
   if (!valid) return std::nullopt;
   expansion.equilibrium = *equilibrium;
   return Followed{expansion, cost};

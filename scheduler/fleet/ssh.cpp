@@ -99,8 +99,10 @@ bool SshHosts::done() const {
 }
 
 void SshHosts::terminate(std::chrono::milliseconds grace) {
-  for (Host& host : hosts_)
+  for (Host& host : hosts_) {
     if (host.connection) host.connection->terminate(grace);
+    host.connection.reset();
+  }
 }
 
 }  // namespace palpate

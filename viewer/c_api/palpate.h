@@ -539,8 +539,9 @@ PALPATE_API void palpate_live_stop(palpate_live* live);
  * solver has answered (`mean_seconds`). Only one thread may call these two functions, which may be
  * another one than that of the contact. Real time. palpate_live_hold_force writes the force of the
  * tissue on the hold, N, in the last update of the contact; NaN without a hold, while the contact
- * does not touch, and before the live solver has answered. If no finger can be at `place`, the
- * solver reports failures. */
+ * does not touch, and before the live solver has answered. Until then, and if no finger can be at
+ * `place`, the error bound of the contact is at least its force. Errors: PALPATE_INVALID_ARGUMENT
+ * for NULL in another place, and for numbers that are not finite. */
 PALPATE_API palpate_status palpate_live_hold(palpate_live* live, const double place[3],
                                              const double displacement[3]);
 PALPATE_API palpate_status palpate_live_hold_force(palpate_live* live, double force[3]);

@@ -24,10 +24,9 @@ constexpr double disagreement_factor = 2, remainder_factor = 2.5;
 /// Relative error of the live solver's force (TransitionSolver::follow).
 constexpr double solver_error = 1e-4;
 
-/// Returns whether both expansions are without a hold, or with holds at the same place.
-bool areHeldAlike(const Expansion& a, const Expansion& b) {
-  return a.held.has_value() == b.held.has_value() &&
-         (!a.held || a.held->at.place == b.held->at.place);
+/// Returns the place of an expansion's hold, if it has one.
+std::optional<Eigen::Vector3d> holdPlaceOf(const Expansion& expansion) {
+  return expansion.held ? std::optional(expansion.held->at.place) : std::nullopt;
 }
 
 }  // namespace
@@ -37,7 +36,7 @@ LiveCorrection::LiveCorrection(double finger_radius) : reach_(reach_radii * fing
 }
 
 void LiveCorrection::add(const Expansion& expansion, double seconds) noexcept {
-  const bool is_alone = now_.size == 0 || !areHeldAlike(expansion, now_.expansions[0]);
+  const bool is_alone = now_.size == 0 || holdPlaceOf(expansion) != holdPlaceOf(now_.expansions[0]);
   const Pair next = {{expansion, now_.expansions[0]}, is_alone ? 1u : 2u};
   if (level_ >= 1) {
     before_ = now_;
@@ -75,8 +74,7 @@ LiveCorrection::Weight LiveCorrection::weightOf(const Expansion& expansion,
 }
 
 bool LiveCorrection::hasThisHold(const Expansion& expansion) const noexcept {
-  return expansion.held.has_value() == hold_.has_value() &&
-         (!hold_ || expansion.held->at.place == hold_->place);
+  return holdPlaceOf(expansion) == (hold_ ? std::optional(hold_->place) : std::nullopt);
 }
 
 std::optional<Eigen::Vector3d> LiveCorrection::holdForce(const Eigen::Vector3d& s,
@@ -96,6 +94,7 @@ std::optional<Eigen::Vector3d> LiveCorrection::holdForce(const Eigen::Vector3d& 
 
 double LiveCorrection::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                                AreaSample& sample) const noexcept {
+  if (hold_) sample.error_bound = std::max(sample.error_bound, sample.force.norm());
   const AreaSample area = sample;
   const double share = blend(now_, s, p, sample);
   if (level_ >= 1) return share;

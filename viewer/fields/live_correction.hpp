@@ -19,8 +19,8 @@ namespace palpate {
 /// equilibria. When an expansion is added, the blend fades to the new pair. While neither the
 /// expansions nor the fade change, force and drive are the negative gradient of one energy.
 ///
-/// A second finger may hold the body. The expansions depend on its displacement too, the area does
-/// not.
+/// A second finger may hold the body. The expansions depend on its displacement too. The area does
+/// not, so while there is a hold, its error bound counts as at least the magnitude of its force.
 ///
 /// One thread. Real time: does not allocate, lock, throw or log.
 class LiveCorrection {

@@ -35,14 +35,14 @@ HandMotion Follower::aimed(const HandMotion& hand) const {
 }
 
 bool Follower::isNear(const HandMotion& aim) const {
-  const auto isNear = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const auto areNear = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return (a - b).norm() <= far_away * radius_;
   };
   if (!at_ || aim.hold.has_value() != hold_.has_value()) return false;
   const bool is_held_alike = !hold_ || (aim.hold->place == hold_->place &&
-                                        isNear(aim.hold->displacement, hold_->displacement));
-  return is_held_alike && isNear(aim.place, at_->place) &&
-         isNear(aim.displacement, at_->state.displacement);
+                                        areNear(aim.hold->displacement, hold_->displacement));
+  return is_held_alike && areNear(aim.place, at_->place) &&
+         areNear(aim.displacement, at_->state.displacement);
 }
 
 Reached Follower::pathFrom(const Start& start, const Eigen::Vector3d& target) {
@@ -60,6 +60,9 @@ Reached Follower::fromRest(const Finger& finger, const Eigen::Vector3d& target) 
 }
 
 Reached Follower::fromRest(const Finger& finger, const HandMotion& aim) {
+  // The solver may lose its hold here, or keep a new one after a failure. No later transition from
+  // the last equilibrium would then have the equations of its hold.
+  if (aim.hold || hold_) release();
   solver_.letGo();
   if (!aim.hold) return fromRest(finger, aim.displacement);
   const Finger holding = fingerNear("the hold", problem_.mesh, aim.hold->place, radius_);
@@ -107,7 +110,7 @@ Followed Follower::solveAt(const HandMotion& aim) {
   if (!reached.outcome.converged()) return {reached.outcome.failure(), spent};
   at_ = std::move(reached.end);
   hold_ = aim.hold;
-  if (reached.held) reached.held->at = *aim.hold;
+  if (reached.held) reached.held->at = *aim.hold;  // as asked, so that the client can compare
   return {Expansion{finger.center, aim.displacement, reached.outcome.equilibrium(), reached.held},
           spent};
 }

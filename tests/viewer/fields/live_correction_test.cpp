@@ -131,6 +131,13 @@ TEST_F(LiveCorrectionTest, FollowsAHoldThatMoves) {
   EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).value()[2], 0.5 - 80 * 0.004, 1e-9);
 }
 
+TEST_F(LiveCorrectionTest, ClaimsNoAccuracyOfTheAreaBesideAHold) {
+  live_.setHold(Hold{{0.05, 0, 0}, {0, 0, 0.002}});
+  const AreaSample alone = springAt(100, touched_place, pressed_by);
+  EXPECT_EQ(at(touched_place, pressed_by).force, alone.force);
+  EXPECT_GE(at(touched_place, pressed_by).error_bound, alone.force.norm());
+}
+
 TEST_F(LiveCorrectionTest, ClaimsNoAccuracyUntilTheLiveSolverKnowsTheHold) {
   follow(150, touched_place, pressed_by);
   EXPECT_LT(at(touched_place, pressed_by).error_bound, 0.01);

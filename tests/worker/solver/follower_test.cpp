@@ -159,6 +159,20 @@ TEST_F(HeldBody, IsFollowedWhileBothFingersMove) {
             1e-4 * alone.expansion().equilibrium.force.norm());
 }
 
+TEST_F(HeldBody, IsLetGoAlsoAfterAFailure) {
+  Follower follower(problem_, chooseKernels(), followed_radius);
+  ASSERT_TRUE(follower.follow(hand_).converged());
+  HandMotion held = hand_;
+  held.hold = Hold{other_.place, other_.displacement};
+  held.displacement = {-0.6, 0, 0};  // through the body
+  ASSERT_FALSE(follower.follow(held).converged());
+  const Followed alone = follower.follow(hand_);
+  ASSERT_TRUE(alone.converged()) << describe(alone.failure());
+  EXPECT_FALSE(alone.expansion().held);
+  EXPECT_LT((alone.expansion().equilibrium.force - exactAt(alone.expansion()).force).norm(),
+            1e-4 * alone.expansion().equilibrium.force.norm());
+}
+
 TEST_F(FollowerTest, RefusesAPlaceThatIsFixed) {
   Follower follower(problem_, chooseKernels(), followed_radius);
   hand_.place = problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
