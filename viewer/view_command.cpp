@@ -38,6 +38,9 @@ void check(const ViewOptions& options) {
                    options.datasets.front().string());
   if (!options.follower.empty() && !follows)
     throw badInput("--follower {}: give the scene too, with --live", options.follower);
+  if (!options.hold.empty() && !follows)
+    throw badInput("--hold {}: a second finger needs live solving: add --live SCENE",
+                   options.hold.string());
   if (options.fast && follows) throw badInput("solving near the hand needs a clock: omit --fast");
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse needs the picture: omit --headless");
@@ -92,6 +95,9 @@ std::function<void()> addViewOptions(CLI::App& app, const std::shared_ptr<ViewOp
   app.add_option("--build", options->build,
                  "Also build this dataset of the scene, and use its finished sites")
       ->type_name("OUT.h5");
+  app.add_option("--hold", options->hold,
+                 "Recording whose tool moves a second finger that holds the body")
+      ->type_name("RUN.h5");
   app.add_option("--contact", *contact, "Contact mode [the scene's]")
       ->check(oneOf(words_of<ContactMode>));
   app.add_option("--friction", options->friction, "Friction coefficient of unilateral contact")

@@ -21,6 +21,7 @@ struct ViewOptions {
   std::string profile;          ///< a name in device_profiles; empty: the device's own limits
   std::filesystem::path live;   ///< scene of the first dataset; empty: no live solver
   std::string follower;         ///< endpoint of a live solver; empty: one is started
+  std::filesystem::path hold;   ///< recording that moves a second finger; empty: none
   std::filesystem::path build;  ///< dataset of the scene to build meanwhile; empty: none
   std::string method = "potential";
   std::optional<ContactMode> contact;  ///< nullopt: as the scene requests

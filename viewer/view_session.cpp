@@ -29,14 +29,9 @@ namespace {
 constexpr double frames_per_second = 60, video_frames_per_second = 30;
 constexpr std::chrono::seconds live_patience{10};
 constexpr auto headless_pause = std::chrono::milliseconds(20);
+constexpr std::chrono::seconds notice_time{5};               // of a notice about a key
 constexpr auto look_every = std::chrono::milliseconds(500);  // interval for checking files,
                                                              // problems and statistics
-
-DeviceProfile profileNamed(std::string_view word) {
-  const DeviceProfile* const known = deviceNamed(word);
-  PALPATE_ASSERT(known != nullptr, "the device profile must be a known one");
-  return *known;
-}
 
 /// One run of the haptic client with its datasets, device, haptic loop, window and recording. The
 /// thread that constructs the session also draws.
@@ -46,11 +41,13 @@ class ViewSession {
   explicit ViewSession(const ViewOptions& options) : options_(resolved(options)) {
     if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
     refuseInput(options_.record, "--record", options_.datasets);
+    refuseInput(options_.record, "--record", {&options_.hold, 1});
     if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
     if (!options_.build.empty()) refuseUnwritable(options_.build, "--build");
     if (!options_.video.empty()) video_.emplace(options_.video);
     // Open the device last, so that no earlier error can leave it with a force.
     loaded_ = std::make_unique<LoadedModels>(options_.datasets, modelOptions());
+    if (!options_.hold.empty()) readHolds();
     if (!options_.headless) openPicture();
     // The live solver finds the state at rest while the forces are prepared.
     if (!options_.live.empty()) startLive();
@@ -152,8 +149,8 @@ class ViewSession {
   /// Returns the limits that the options or the scene ask for, and otherwise those of the profile
   /// "touch".
   DeviceProfile wantedProfile() const {
-    if (!options_.profile.empty()) return profileNamed(options_.profile);
-    return loaded_->device().value_or(profileNamed("touch"));
+    if (!options_.profile.empty()) return *deviceNamed(options_.profile);
+    return loaded_->device().value_or(*deviceNamed("touch"));
   }
 
   /// Returns the limits of the device. If the options or the scene name a profile, no limit is
@@ -176,10 +173,17 @@ class ViewSession {
     link_.emplace(*live_, std::move(link_options));
   }
 
+  void readHolds() {
+    const Recording recording = readRecording(options_.hold);
+    checkReplay(recording, 1 / options_.rate, options_.hold.string());
+    holds_ = holdsOf(recording, loaded_->first().surface(), options_.hold.string());
+  }
+
   void makeTick() {
     const HapticModel& model = loaded_->first();
     TickOptions tick_options;
     tick_options.period = 1 / options_.rate;
+    tick_options.holds = holds_;
     tick_options.contact.mode = options_.contact.value_or(model.contactMode());
     tick_options.contact.friction = options_.friction;
     if (live_ && model.buildId() == live_build_) {
@@ -237,6 +241,8 @@ class ViewSession {
     loop_->start();
   }
 
+  const HapticState& latest() { return loop_ ? loop_->latest() : tick_->state(); }
+
   void drainRecording() {
     if (!recorder_ || !loop_) return;
     while (const std::optional<HapticState> state = loop_->takeRecorded()) recorder_->add(*state);
@@ -254,7 +260,7 @@ class ViewSession {
         std::this_thread::sleep_for(headless_pause);
         continue;
       }
-      obey(drawFrame(loop_ ? loop_->latest() : tick_->state()));
+      obey(drawFrame(latest()));
       // After a slow frame, do not hurry to catch up.
       next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
                       std::chrono::steady_clock::now());
@@ -278,6 +284,10 @@ class ViewSession {
     const auto now = std::chrono::steady_clock::now();
     if (now - looked_ < look_every) return;
     looked_ = now;
+    if (now > notice_ends_) {
+      status_.notice.clear();
+      notice_ends_ = std::chrono::steady_clock::time_point::max();
+    }
     status_.trouble = device_->trouble();
     for (const std::string& more : {loop_ ? loop_->trouble() : "", link_ ? link_->trouble() : ""})
       if (!more.empty()) status_.trouble += (status_.trouble.empty() ? "" : "\n") + more;
@@ -286,8 +296,7 @@ class ViewSession {
     if (loop_) status_.loop = loop_->statistics();
     doubtPosition();
     if (retired_ && isRetiredUnused()) retired_.reset();
-    if (const Touch& touch = loop_ ? loop_->latest().touch : tick_->state().touch;
-        growing_ && touch.touching)
+    if (const Touch& touch = latest().touch; growing_ && touch.touching)
       growing_->prefer(loaded_->first(), touch.anchor_position);
     // Until the complete dataset is loaded, the build itself overwrites or removes the loaded file.
     const bool grows = unsolved_ && loaded_->first().file() != options_.build;
@@ -330,12 +339,30 @@ class ViewSession {
   void obey(const PictureRequests& requests) {
     if (requests.use)
       command({HapticCommand::Kind::use, requests.use->model, requests.use->method});
+    if (requests.hold) hold();
     if (requests.release) command({HapticCommand::Kind::release});
     if (requests.tool) device_->moveTo(*requests.tool);
     if (requests.pause && !stepped()) loop_ ? endLoop() : startLoop();
     if (requests.reload) reload();
     if (stepped()) followReload();
     quit_ = quit_ || requests.quit;
+  }
+
+  /// Leaves a second finger at the touch, or lets it go. A notice says why it cannot.
+  void hold() {
+    const HapticState& state = latest();
+    const TickOptions& used = tick_->options();
+    status_.notice.clear();
+    if (used.contact.live == nullptr || state.model != 0)
+      status_.notice =
+          "a second finger needs live solving: view SCENE.toml, or OUT.h5 --live SCENE";
+    else if (!used.holds.empty())
+      status_.notice = fmt::format("{} moves the second finger", options_.hold.string());
+    else if (!state.touch.touching && !state.hold)
+      status_.notice = "touch the body first: a second finger stays where the tool touches";
+    else
+      command({HapticCommand::Kind::hold});
+    notice_ends_ = std::chrono::steady_clock::now() + notice_time;
   }
 
   /// Starts to read the files again. The old datasets stay in use until the new ones are ready.
@@ -482,7 +509,8 @@ class ViewSession {
   ContentId build_id_;             ///< problemId of the scene that is followed
   ContentId live_build_;           ///< build id of the model that the live solver corrects
   std::optional<LiveLink> link_;
-  std::optional<GrowingDataset> growing_;  ///< with --build
+  std::optional<GrowingDataset> growing_;   ///< with --build
+  std::vector<std::optional<Hold>> holds_;  ///< with --hold, one per tick
   std::unique_ptr<HapticTick> tick_;
   std::optional<Recorder> recorder_;
   std::unique_ptr<HapticLoop> loop_;  ///< null while paused, and if stepped()
@@ -491,6 +519,7 @@ class ViewSession {
   PictureStatus status_;
   std::string said_;  ///< the problem that was logged last
   std::chrono::steady_clock::time_point looked_;
+  std::chrono::steady_clock::time_point notice_ends_ = std::chrono::steady_clock::time_point::max();
   bool doubted_ = false;                  ///< whether the warning about the position of the hand
                                           ///< was given
   std::unique_ptr<ModelsReload> reload_;  ///< not null while datasets are reloaded

@@ -19,9 +19,11 @@ void addHold(const Held& held, const Eigen::Vector3d& ds, const Eigen::Vector3d&
   sample.energy -= held.force.dot(dh) + 0.5 * of_hold.dot(dh) + force.dot(dp) + drive.dot(ds);
   sample.force += force;
   sample.drive += drive;
-  sample.hold_force = held.force + of_hold + held.force_by_hold.transpose() * dp +
-                      held.drive_by_hold.transpose() * ds;
+  const Eigen::Vector3d change =
+      of_hold + held.force_by_hold.transpose() * dp + held.drive_by_hold.transpose() * ds;
+  sample.hold_force = held.force + change;
   sample.last_terms += force.norm();
+  sample.hold_last_terms = change.norm();
 }
 
 }  // namespace

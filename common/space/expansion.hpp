@@ -42,6 +42,7 @@ struct Expansion {
     /// N, magnitude of the force that the highest terms contribute: those of third order and those
     /// of the hold's motion. It estimates the error that the force would have without these terms.
     double last_terms = 0;
+    double hold_last_terms = 0;  ///< N, likewise for hold_force, whose highest terms are the first
   };
   /// Evaluates the polynomial at s and p, metres, with the hold, if there is one, at the
   /// displacement of `hold`. Real time.

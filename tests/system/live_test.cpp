@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +10,8 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/system/process.hpp"
+#include "tests/viewer/picture/person.hpp"
+#include "tests/viewer/picture/virtual_screen.hpp"
 
 /// The haptic client with a follower.
 namespace palpate {
@@ -34,13 +37,13 @@ class LiveTest : public ::testing::Test {
   }
   static void TearDownTestSuite() { directory_.reset(); }
 
-  static void writeScene(const char* file, double c10, double spacing = 0.012) {
+  static void writeScene(const char* file, double c10, double spacing = 0.012, double area = 0.02) {
     std::ofstream(*directory_ / file)
         << "name = \"cube\"\nmesh = \"cube.msh\"\n"
         << "[material]\nlaw = \"mooney-rivlin\"\nc10 = " << c10 << "\nc01 = 1280.0\n"
         << "[fixed]\nbelow = { axis = \"z\", fraction = 0.05 }\n"
         << "[[active]]\nname = \"top\"\ntool = \"finger\"\nradius = 0.03\n"
-        << "surface = { sphere = { center = [0.05, 0.05, 0.1], radius = 0.02 } }\n"
+        << "surface = { sphere = { center = [0.05, 0.05, 0.1], radius = " << area << " } }\n"
         << "[workspace]\nradius = 0.012\nspacing = " << spacing << "\nmax_force = 8.0\n";
   }
   static std::unique_ptr<Process> view(std::vector<std::string> more) {
@@ -71,6 +74,19 @@ class LiveTest : public ::testing::Test {
             keep(in.readList<Eigen::Vector3d>("/contact/displacement")),
             keep(in.readList<Eigen::Vector3d>("/force/raw"))};
   }
+  /// Presses a hand into the top of the cube at x for three seconds, and records it. Returns
+  /// the exit code.
+  static int press(const char* scene, double x, const std::string& recording,
+                   const std::vector<std::string>& more = {}) {
+    std::ofstream(*directory_ / "hand.txt") << fmt::format(
+        "0 {0} 0.05 0.11\n0.2 {0} 0.05 0.1\n0.6 {0} 0.05 0.094\n4 {0} 0.05 0.09\n", x);
+    std::vector<std::string> words = {"view", scene, "--headless", "--device", "virtual:hand.txt"};
+    for (const char* word : {"--friction", "10", "--duration", "3", "--record"})
+      words.emplace_back(word);
+    words.push_back(recording);
+    words.insert(words.end(), more.begin(), more.end());
+    return Process("palpate-viewer", words, directory_->path()).wait();
+  }
   /// Returns for each contact of a recording whether its first force was computed, not guessed.
   static std::vector<bool> computedAtContacts(const char* file) {
     hdf5::Reader in(*directory_ / file);
@@ -82,15 +98,22 @@ class LiveTest : public ::testing::Test {
       if (touching[n] != 0 && touching[n - 1] == 0) computed.push_back(inside[n] != 0);
     return computed;
   }
-  static Eigen::Vector3d solved(const char* scene, const Eigen::Vector3d& s,
-                                const Eigen::Vector3d& p) {
+  /// Returns the answer of `palpate solve`. more: further options.
+  static nlohmann::json solve(const char* scene, const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                              const std::string& more = "") {
     const test::CommandResult done = test::runCommand(
         fmt::format("(cd '{}' && " PALPATE_BIN_DIR "/palpate-worker solve {} --json --at {} {} {} "
-                    "--displacement {} {} {})",
-                    directory_->path().string(), scene, s[0], s[1], s[2], p[0], p[1], p[2]));
+                    "--displacement {} {} {} {})",
+                    directory_->path().string(), scene, s[0], s[1], s[2], p[0], p[1], p[2], more));
     EXPECT_EQ(done.exit_code, 0) << done.output;
-    const auto force = nlohmann::json::parse(done.output.substr(done.output.find('{'))).at("force");
-    return {force[0].get<double>(), force[1].get<double>(), force[2].get<double>()};
+    return nlohmann::json::parse(done.output.substr(done.output.find('{')));
+  }
+  static Eigen::Vector3d vectorIn(const nlohmann::json& numbers) {
+    return {numbers[0].get<double>(), numbers[1].get<double>(), numbers[2].get<double>()};
+  }
+  static Eigen::Vector3d solved(const char* scene, const Eigen::Vector3d& s,
+                                const Eigen::Vector3d& p) {
+    return vectorIn(solve(scene, s, p).at("force"));
   }
   /// Expects that, after the first `after` seconds of touching, most forces come from the follower
   /// and equal those of the solver.
@@ -126,6 +149,71 @@ TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {
   ASSERT_EQ(run.wait(), 0) << run.output();
   expectFollowed(touchesIn("scene.h5"), "stiff.toml");
   EXPECT_FALSE(computedAtContacts("scene.h5").at(0));
+}
+
+TEST_F(LiveTest, ARecordingMovesASecondFinger) {
+  writeScene("wide.toml", 1300, 0.012, 0.06);
+  ASSERT_EQ(press("wide.toml", 0.026, "first.h5"), 0);
+  ASSERT_EQ(press("wide.toml", 0.074, "pinch.h5", {"--hold", "first.h5"}), 0);
+  hdf5::Reader in(*directory_ / "pinch.h5");
+  in.findArrays();
+  const auto place = in.readList<Eigen::Vector3d>("/contact/anchor"),
+             displacement = in.readList<Eigen::Vector3d>("/contact/displacement"),
+             force = in.readList<Eigen::Vector3d>("/force/raw"),
+             hold_place = in.readList<Eigen::Vector3d>("/hold/anchor"),
+             hold_displacement = in.readList<Eigen::Vector3d>("/hold/displacement"),
+             hold_force = in.readList<Eigen::Vector3d>("/hold/force");
+  const auto bound = in.readList<double>("/contact/error_bound"),
+             hold_bound = in.readList<double>("/hold/error_bound");
+  const Run first = touchesIn("first.h5");
+  std::vector<std::size_t> known;
+  for (std::size_t n = 0; n < hold_force.size(); ++n)
+    if (hold_force[n].allFinite() && bound[n] < 0.1 * force[n].norm()) known.push_back(n);
+  ASSERT_GT(known.size(), 500u);
+  for (const std::size_t n : {known[known.size() / 4], known[known.size() / 2], known.back()}) {
+    EXPECT_LT((hold_place[n] - first.place.front()).norm(), 1e-12);
+    const auto exact = solve("wide.toml", place[n], displacement[n],
+                             fmt::format("--hold {} {}", fmt::join(hold_place[n], " "),
+                                         fmt::join(hold_displacement[n], " ")));
+    const Eigen::Vector3d on_hand = vectorIn(exact.at("force")),
+                          on_hold = vectorIn(exact.at("hold_force"));
+    EXPECT_GT(on_hold.norm(), 0.1);
+    EXPECT_LT((force[n] - on_hand).norm(), bound[n]) << n;
+    EXPECT_LT((hold_force[n] - on_hold).norm(), hold_bound[n]) << n;
+    EXPECT_LT(hold_bound[n], 0.2 * on_hold.norm()) << n;
+  }
+  EXPECT_EQ(press("cube.h5", 0.05, "none.h5", {"--hold", "first.h5"}), 2) << "not solved live";
+  EXPECT_EQ(press("wide.toml", 0.05, "none.h5", {"--hold", "first.h5", "--rate", "500"}), 2);
+  test::writeGmsh22(test::cubeMesh(0.2, 5), *directory_ / "large.msh");
+  EXPECT_EQ(test::runCommand(fmt::format("cd '{}' && sed s/cube.msh/large.msh/ wide.toml > "
+                                         "large.toml",
+                                         directory_->path().string()))
+                .exit_code,
+            0);
+  EXPECT_EQ(press("large.toml", 0.05, "none.h5", {"--hold", "first.h5"}), 2) << "another body";
+}
+
+TEST_F(LiveTest, AKeyLeavesASecondFingerAndLetsItGo) {
+  const test::VirtualScreen screen;
+  Process run("palpate-viewer", {"view", "cube.toml", "--record", "key.h5"}, directory_->path());
+  ASSERT_TRUE(test::says(run, "mouse at")) << run.output();
+  test::Person person(screen.name(), "Palpate");
+  for (const char* key : {"Return", "t", "t", "q"}) {
+    person.press(key);
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+  }
+  ASSERT_EQ(run.wait(), 0) << run.output();
+  hdf5::Reader in(*directory_ / "key.h5");
+  in.findArrays();
+  const auto touching = in.readList<std::uint8_t>("/contact/touching");
+  const auto touched = in.readList<Eigen::Vector3d>("/contact/anchor"),
+             held = in.readList<Eigen::Vector3d>("/hold/anchor");
+  const auto begin = std::ranges::find_if(held, [](const auto& x) { return x.allFinite(); });
+  ASSERT_NE(begin, held.end());
+  const auto tick = static_cast<std::size_t>(begin - held.begin());
+  EXPECT_EQ(held[tick], touched[tick - 1]);
+  EXPECT_TRUE(touching[tick - 1] == 1 && touching[tick] == 0) << "the hand goes on elsewhere";
+  EXPECT_TRUE(std::any_of(begin, held.end(), [](const auto& x) { return x.hasNaN(); }));
 }
 
 TEST_F(LiveTest, FinishedSitesReplaceTheGuessUnderTheHand) {

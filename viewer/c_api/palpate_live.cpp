@@ -73,7 +73,7 @@ palpate_status palpate_live_hold(palpate_live* live, const double place[3],
 palpate_status palpate_live_hold_force(palpate_live* live, double force[3]) {
   return answered(__func__, [&] {
     LiveTouch& touch = need("live", live).scene->touch;
-    give(&need("force", force), touch.holdForce().value_or(nowhere()));
+    give(&need("force", force), touch.holdForce().force);
   });
 }
 

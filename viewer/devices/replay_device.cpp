@@ -1,18 +1,13 @@
 #include "viewer/devices/replay_device.hpp"
 
-#include <cmath>
-
-#include "common/base/error.hpp"
+#include <fmt/format.h>
 
 namespace palpate {
 
 ReplayDevice::ReplayDevice(Recording recording, double period, std::string source)
     : recording_(std::move(recording)), source_(std::move(source)) {
   traits_ = {recording_.profile, recording_.scene_frame, true};
-  if (recording_.readings.empty()) throw badInput("{}: the recording is empty", source_);
-  if (std::abs(recording_.rate * period - 1) > 1e-6)
-    throw badInput("{}: recorded at {} Hz; it cannot be replayed at {} Hz: use --rate {}", source_,
-                   recording_.rate, 1 / period, recording_.rate);
+  checkReplay(recording_, period, source_);
 }
 
 DeviceReading ReplayDevice::read() noexcept {

@@ -14,8 +14,7 @@ namespace palpate {
 class ReplayDevice : public HapticDevice {
  public:
   /// `source` names the recording in messages. `period` is the period of the loop that replays it,
-  /// s. Throws Error (bad input) if the recording has no tick, or if its rate is not 1 / `period`:
-  /// otherwise the hand would move at another speed than in the recording.
+  /// s. Throws the errors of checkReplay().
   ReplayDevice(Recording recording, double period, std::string source);
 
   DeviceReading read() noexcept override;

@@ -24,6 +24,11 @@ constexpr double disagreement_factor = 2, remainder_factor = 2.5;
 /// Relative error of the live solver's force (TransitionSolver::follow).
 constexpr double solver_error = 1e-4;
 
+/// Returns the estimated error of one expansion, N. distance: in reaches.
+double errorOf(double disagreement, double distance, double last_terms) {
+  return disagreement_factor * disagreement + remainder_factor * distance * last_terms;
+}
+
 /// Returns the place of an expansion's hold, if it has one.
 std::optional<Eigen::Vector3d> holdPlaceOf(const Expansion& expansion) {
   return expansion.held ? std::optional(expansion.held->at.place) : std::nullopt;
@@ -77,19 +82,26 @@ bool LiveCorrection::hasThisHold(const Expansion& expansion) const noexcept {
   return holdPlaceOf(expansion) == (hold_ ? std::optional(hold_->place) : std::nullopt);
 }
 
-std::optional<Eigen::Vector3d> LiveCorrection::holdForce(const Eigen::Vector3d& s,
-                                                         const Eigen::Vector3d& p) const noexcept {
-  if (!hold_) return std::nullopt;
+HoldForce LiveCorrection::holdForce(const Eigen::Vector3d& s,
+                                    const Eigen::Vector3d& p) const noexcept {
+  if (!hold_ || now_.size == 0 || !hasThisHold(now_.expansions[0])) return {};
+  std::array<Weight, 2> weights;
+  std::array<Expansion::Sample, 2> samples;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double sum = 0;
   for (std::size_t n = 0; n < now_.size; ++n) {
-    const Expansion& expansion = now_.expansions[n];
-    if (!hasThisHold(expansion)) continue;
-    const double weight = weightOf(expansion, s, p).value;
-    force += weight * expansion.at(s, p, hold_).hold_force;
-    sum += weight;
+    weights[n] = weightOf(now_.expansions[n], s, p);
+    samples[n] = now_.expansions[n].at(s, p, hold_);
+    force += weights[n].value * samples[n].hold_force;
+    sum += weights[n].value;
   }
-  return sum > 0 ? std::optional(Eigen::Vector3d(force / sum)) : std::nullopt;
+  if (!(sum > 0)) return {};
+  HoldForce found = {force / sum, solver_error * force.norm() / sum};
+  for (std::size_t n = 0; n < now_.size; ++n)
+    found.error_bound += weights[n].value / sum *
+                         errorOf((samples[n].hold_force - found.force).norm(), weights[n].distance,
+                                 samples[n].hold_last_terms);
+  return found;
 }
 
 double LiveCorrection::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
@@ -148,8 +160,8 @@ double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const E
       (1 - share) * sample.error_bound + share * solver_error * blended.force.norm();
   for (std::size_t n = 0; n < pair.size; ++n)
     blended.error_bound += weights[n].value / sum *
-                           (disagreement_factor * (samples[n].force - blended.force).norm() +
-                            remainder_factor * weights[n].distance * samples[n].last_terms);
+                           errorOf((samples[n].force - blended.force).norm(), weights[n].distance,
+                                   samples[n].last_terms);
   if (pair.size > 0 && !hasThisHold(pair.expansions[0]))
     blended.error_bound = std::max(blended.error_bound, blended.force.norm());
   if (share > 0.5) {

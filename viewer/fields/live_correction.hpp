@@ -1,11 +1,18 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "common/space/expansion.hpp"
 #include "viewer/fields/area_field.hpp"
 
 namespace palpate {
+
+/// Force of the tissue on a hold, N, and an upper estimate of its error. NaN if they are not known.
+struct HoldForce {
+  Eigen::Vector3d force = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  double error_bound = std::numeric_limits<double>::quiet_NaN();
+};
 
 /// Corrects samples of an area's energy by equilibria that the live solver found near the hand
 /// (worker/solver/follower.hpp). The last two equilibria are blended with the area by a partition
@@ -47,9 +54,8 @@ class LiveCorrection {
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                  AreaSample& sample) const noexcept;
 
-  /// Returns the force of the tissue on the hold, N; nullopt if no expansion near (s, p) has it.
-  std::optional<Eigen::Vector3d> holdForce(const Eigen::Vector3d& s,
-                                           const Eigen::Vector3d& p) const noexcept;
+  /// Returns the force on the hold; NaN if no expansion near (s, p) has it.
+  HoldForce holdForce(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
 
  private:
   struct Pair {

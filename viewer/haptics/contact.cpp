@@ -28,9 +28,8 @@ const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
   follow(tool, hold);
   ++updates_;
   if (live != nullptr)
-    live->publish({static_cast<double>(updates_) * options_.period,
-                   touch_.touching && model_ == options_.live_model, touch_.anchor_position,
-                   touch_.displacement, touch_.force});
+    live->publish({static_cast<double>(updates_) * options_.period, touch_.touching && follows(),
+                   touch_.anchor_position, touch_.displacement, touch_.force});
   return touch_;
 }
 

@@ -93,6 +93,8 @@ class Contact {
   const Touch& update(const Eigen::Vector3d& tool, bool hold = true) noexcept;
   const Touch& touch() const noexcept { return touch_; }
   std::size_t method() const noexcept { return method_; }
+  /// Returns whether the live solver corrects the model in use.
+  bool follows() const noexcept { return options_.live && model_ == options_.live_model; }
   /// Ends the contact. Before the tool can touch again, it must be outside; glued: it must let go
   /// or be farther away than grab_distance.
   void release() noexcept;

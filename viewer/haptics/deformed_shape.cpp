@@ -7,6 +7,18 @@
 namespace palpate {
 namespace {
 
+/// Returns the displacement that a touch still needs at its anchor, m.
+Eigen::Vector3d missingAt(const TouchSurface& surface, const Touch& touch,
+                          std::span<const float> out) noexcept {
+  Eigen::Vector3d missing = touch.displacement - touch.excess();
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t corner = at(surface.triangles()[at(touch.anchor.triangle)][c]);
+    missing -= touch.anchor.barycentric[static_cast<Eigen::Index>(c)] *
+               Eigen::Map<const Eigen::Vector3f>(out.data() + 3 * corner).cast<double>();
+  }
+  return missing;
+}
+
 /// Adds bumps to the displacements so that the anchor moves by exactly the displacement of the
 /// touch.
 void passThroughTool(const TouchSurface& surface, const Touch& touch,
@@ -25,19 +37,23 @@ void passThroughTool(const TouchSurface& surface, const Touch& touch,
 
 DeformedShape::DeformedShape(std::size_t most_vertices) : scratch_(3 * most_vertices) {}
 
-void DeformedShape::evaluate(const HapticModel& model, const Touch& touch,
+void DeformedShape::evaluate(const HapticModel& model, std::span<const Touch> touches,
                              std::span<float> out) noexcept {
   std::ranges::fill(out, 0.0f);
-  if (!touch.touching) return;
-  blend(model, touch, out);
-  passThroughTool(model.surface(), touch, out);
+  // Each tool also moves the surface under the other one, so one round is not enough for two.
+  const auto rounds = std::ranges::count(touches, true, &Touch::touching);
+  for (auto round = rounds; round > 0; --round)
+    for (const Touch& touch : touches)
+      if (touch.touching) add(model, touch.blend, missingAt(model.surface(), touch, out), out);
+  for (auto round = rounds; round > 0; --round)
+    for (const Touch& touch : touches)
+      if (touch.touching) passThroughTool(model.surface(), touch, out);
 }
 
-void DeformedShape::blend(const HapticModel& model, const Touch& touch,
-                          std::span<float> out) noexcept {
+void DeformedShape::add(const HapticModel& model, const SpaceBlend& blend,
+                        const Eigen::Vector3d& displacement, std::span<float> out) noexcept {
   const std::span<float> one = std::span(scratch_).first(std::min(out.size(), scratch_.size()));
-  const Eigen::Vector3d displacement = touch.displacement - touch.excess();
-  for (const SpaceWeight& share : touch.blend.used()) {
+  for (const SpaceWeight& share : blend.used()) {
     const auto weight = static_cast<float>(share.weight);
     model.shape(at(share.space)).evaluate(displacement, one);
     for (std::size_t i = 0; i < one.size(); ++i) out[i] += weight * one[i];

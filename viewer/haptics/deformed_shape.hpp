@@ -18,6 +18,9 @@ namespace palpate {
 /// its longest edge as radius; R is interpolated from these radii to the anchor. The bump is C1.
 /// The correction is for appearance, not mechanics, and changes nothing outside R.
 ///
+/// The shapes of two fingers are added, each for the displacement that the other one leaves to it.
+/// This is exact in linear elasticity.
+///
 /// One thread at a time. Allocates only at construction.
 class DeformedShape {
  public:
@@ -25,12 +28,17 @@ class DeformedShape {
   explicit DeformedShape(std::size_t most_vertices);
 
   /// Fills `out` with displacements, [vertex][axis], metres, length 3
-  /// model.surface().vertices().size(). They are zero if nothing is touched. touch: a contact with
+  /// model.surface().vertices().size(). They are zero if nothing is touched. touches: contacts with
   /// this model. Does not allocate, lock, throw or log.
-  void evaluate(const HapticModel& model, const Touch& touch, std::span<float> out) noexcept;
+  void evaluate(const HapticModel& model, std::span<const Touch> touches,
+                std::span<float> out) noexcept;
+  void evaluate(const HapticModel& model, const Touch& touch, std::span<float> out) noexcept {
+    evaluate(model, {&touch, 1}, out);
+  }
 
  private:
-  void blend(const HapticModel& model, const Touch& touch, std::span<float> out) noexcept;
+  void add(const HapticModel& model, const SpaceBlend& blend, const Eigen::Vector3d& displacement,
+           std::span<float> out) noexcept;
   std::vector<float> scratch_;
 };
 

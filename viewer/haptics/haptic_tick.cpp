@@ -75,6 +75,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   const Eigen::Vector3d tool =
       lost || away ? nowhere() : options_.map.toScene(state_.reading.position);
   if (tool.allFinite()) state_.tool = tool;
+  moveHold();
 
   const GuardInput input = {.tool = tool,
                             .touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0),
@@ -87,6 +88,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   const GuardedForce guarded = guard_.limit(input);
 
   state_.touch = input.touch;
+  if (state_.hold) state_.hold_force = options_.contact.live->holdForce();
   state_.force = guarded.force;
   state_.guards = guarded.guards;
   state_.passivity = guarded.passivity;
@@ -94,8 +96,32 @@ const HapticState& HapticTick::run(bool late) noexcept {
   return state_;
 }
 
+void HapticTick::moveHold() noexcept {
+  state_.hold.reset();
+  state_.hold_force = {};
+  if (options_.contact.live == nullptr) return;
+  const std::span<const std::optional<Hold>>& holds = options_.holds;
+  if (contact_.follows()) {
+    if (holds.empty())
+      state_.hold = left_;
+    else if (state_.tick <= holds.size())
+      state_.hold = holds[state_.tick - 1];
+  }
+  options_.contact.live->setHold(state_.hold);
+}
+
+/// Two fingers cannot be at one place, so the hand must touch the body again from outside.
+void HapticTick::leaveOrLetGo() noexcept {
+  const Touch& touch = contact_.touch();
+  if (left_) return left_.reset();
+  if (!touch.touching || !contact_.follows()) return;
+  left_ = {touch.anchor_position, touch.displacement};
+  contact_.release();
+}
+
 void HapticTick::obey(const HapticCommand& command) noexcept {
   if (command.kind == HapticCommand::Kind::release) return contact_.release();
+  if (command.kind == HapticCommand::Kind::hold) return leaveOrLetGo();
   const auto number = static_cast<std::size_t>(command.model);  // huge if negative
   if (command.kind == HapticCommand::Kind::replace) {
     if (number >= models_.size() || command.replacement == nullptr) return;

@@ -2,11 +2,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "viewer/haptics/contact.hpp"
 #include "viewer/haptics/force_guard.hpp"
 #include "viewer/haptics/haptic_device.hpp"
+#include "viewer/haptics/live_touch.hpp"
 
 namespace palpate {
 
@@ -23,6 +26,8 @@ struct HapticState {
   std::uint32_t guards = 0;            ///< Guarded bits
   double passivity = 0;                ///< J, as GuardedForce::passivity
   std::int32_t model = 0, method = 0;  ///< indices of the model and the method in use
+  std::optional<Hold> hold = {};       ///< a second finger that holds the body
+  HoldForce hold_force = {};           ///< N, scene frame, of the tissue on this finger
 
   /// Returns the position at which to draw the tool, m, scene frame. It stops at the edge of the
   /// computed region.
@@ -35,6 +40,7 @@ struct HapticCommand {
     use,      ///< use this model and method (indices)
     replace,  ///< replace this model by `replacement`; the contact continues
     release,  ///< end the contact
+    hold,     ///< leave a second finger at the touch and end the contact, or let this finger go
   } kind = Kind::use;
   std::int32_t model = 0, method = 0;
   /// For `replace`. Must stay valid until it is replaced itself or the HapticTick is destroyed. Its
@@ -68,6 +74,9 @@ struct TickOptions {
   ContactOptions contact;
   GuardOptions guard;
   WorkspaceMap map;
+  /// Where a second finger holds the body in each tick, from the first; empty: commands move it.
+  /// Used only with a live solver. Must outlive the HapticTick.
+  std::span<const std::optional<Hold>> holds = {};
 };
 
 /// One tick of the haptic loop: reads the device, finds the contact, evaluates the force, guards it
@@ -90,12 +99,16 @@ class HapticTick {
   const TickOptions& options() const noexcept { return options_; }
 
  private:
+  void moveHold() noexcept;
+  void leaveOrLetGo() noexcept;
+
   std::vector<const HapticModel*> models_;
   HapticDevice& device_;
   TickOptions options_;
   Contact contact_;
   ForceGuard guard_;
   HapticState state_;
+  std::optional<Hold> left_;  ///< the second finger that a command left
 };
 
 }  // namespace palpate

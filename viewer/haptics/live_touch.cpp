@@ -52,7 +52,7 @@ void LiveTouch::publish(LiveHand hand) noexcept {
   if (last_.touching && !hand.touching) correction_.release();
   hand.hold = holds_.read();
   hold_forces_.write(hand.touching ? correction_.holdForce(hand.place, hand.displacement)
-                                   : std::nullopt);
+                                   : HoldForce());
   last_ = hand;
   hands_.write(hand);
 }

@@ -67,9 +67,9 @@ class LiveTouch {
   // The thread that moves the hold; real time.
   /// Moves the hold. Another place is a new hold; nullopt ends it.
   void setHold(const std::optional<Hold>& hold) noexcept { holds_.write(hold); }
-  /// Returns the force of the tissue on the hold in the last tick, N; nullopt if it is not known:
-  /// without a hold, while the hand does not touch, and before the live solver has answered.
-  const std::optional<Eigen::Vector3d>& holdForce() noexcept { return hold_forces_.read(); }
+  /// Returns the force on the hold in the last tick; NaN without a hold, while the hand does not
+  /// touch, and before the live solver has answered.
+  const HoldForce& holdForce() noexcept { return hold_forces_.read(); }
 
   // The thread that asks the live solver.
   const LiveHand& hand() noexcept { return hands_.read(); }
@@ -85,7 +85,7 @@ class LiveTouch {
   const double radius_;
   TripleBuffer<LiveHand> hands_;
   TripleBuffer<std::optional<Hold>> holds_;
-  TripleBuffer<std::optional<Eigen::Vector3d>> hold_forces_;
+  TripleBuffer<HoldForce> hold_forces_;
   TripleBuffer<Answer> answers_;
   std::uint64_t answered_ = 0;  ///< number of answers; used by the asking thread
 

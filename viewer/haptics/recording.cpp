@@ -47,6 +47,8 @@ HeldForces heldForces(std::uint32_t forces, const Eigen::Vector3d& times) {
           times[1], times[2]};
 }
 
+const Hold nobody = {nowhere(), nowhere()};  ///< no second finger
+
 /// Returns all lists of a recording. Each list has the path of its array, its unit, and its value
 /// in a state.
 auto makeChannels() {
@@ -74,6 +76,11 @@ auto makeChannels() {
       Channel{"/contact/followed", "1", +[](State s) { return s.touch.followed; }},
       Channel{"/contact/energy", "J", +[](State s) { return s.touch.energy; }},
       Channel{"/contact/error_bound", "N", +[](State s) { return s.touch.error_bound; }},
+      Channel{"/hold/anchor", "m", +[](State s) { return s.hold.value_or(nobody).place; }},
+      Channel{"/hold/displacement", "m",
+              +[](State s) { return s.hold.value_or(nobody).displacement; }},
+      Channel{"/hold/force", "N", +[](State s) { return s.hold_force.force; }},
+      Channel{"/hold/error_bound", "N", +[](State s) { return s.hold_force.error_bound; }},
       Channel{"/guards", "bits", +[](State s) { return s.guards; }},
       Channel{"/model", "1", +[](State s) { return s.model; }},
       Channel{"/method", "1", +[](State s) { return s.method; }}};
@@ -87,7 +94,7 @@ std::string jsonOf(const std::vector<std::string>& texts) {
 
 void writeRun(Writer& out, const RecordedRun& run) {
   const auto idOf = [](const RecordedModel& model) { return model.dataset.hex(); };
-  const auto& [period, contact, guard, map] = run.options;
+  const auto& [period, contact, guard, map, holds] = run.options;
   out.setText("/", "format", format_word);
   out.setText("/", "datasets", jsonOf(mapped(run.models, &RecordedModel::file)));
   out.setText("/", "content_ids", jsonOf(mapped(run.models, idOf)));
@@ -163,6 +170,7 @@ RecordedRun describeRun(const std::vector<const HapticModel*>& models, const Hap
 
 struct Recorder::Lists {
   decltype(makeChannels()) channels = makeChannels();
+  bool held = false;  ///< whether a second finger has held the body
 };
 
 Recorder::Recorder(RecordedRun run) : run_(std::move(run)), lists_(std::make_unique<Lists>()) {
@@ -185,6 +193,7 @@ void Recorder::add(const HapticState& state) {
   complete_ = complete_ && tick == static_cast<double>(size_);
   std::apply([&](auto&... channel) { (channel.values.push_back(channel.of(state)), ...); },
              lists_->channels);
+  lists_->held = lists_->held || state.hold;
 }
 
 void Recorder::save(const std::filesystem::path& file) const {
@@ -196,13 +205,14 @@ void Recorder::save(const std::filesystem::path& file) const {
     for (const char* group : {"/device", "/tool", "/force", "/contact", "/workspace"})
       out.makeGroup(group);
     writeRun(out, run_);
-    std::apply(
-        [&](const auto&... channel) {
-          PALPATE_ASSERT(((channel.values.size() == size_) && ...),
-                         "each recorded list must have a value per state");
-          (out.writeList(channel.path, channel.values, channel.unit), ...);
-        },
-        lists_->channels);
+    if (lists_->held) out.makeGroup("/hold");
+    const auto write = [&](const auto& channel) {
+      PALPATE_ASSERT(channel.values.size() == size_,
+                     "each recorded list must have a value per state");
+      if (lists_->held || !std::string_view(channel.path).starts_with("/hold"))
+        out.writeList(channel.path, channel.values, channel.unit);
+    };
+    std::apply([&](const auto&... channel) { (write(channel), ...); }, lists_->channels);
     out.close();
   });
 }
@@ -217,20 +227,50 @@ Recording readRecording(const std::filesystem::path& file) {
   const std::vector<std::int32_t> frame = in.integers("scene_frame");
   if (frame != std::vector{0} && frame != std::vector{1})
     throw in.damaged("scene_frame", "is neither 0 nor 1");
-  Recording recording{1 / period, frame[0] == 1, readProfile(in), {}};
+  Recording recording{1 / period, frame[0] == 1, readProfile(in), {}, {}};
   const auto positions = in.readList<Eigen::Vector3d>("/device/position");
   const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
   const auto times = in.readList<Eigen::Vector3d>("/device/held_times", positions.size());
   const auto forces = in.readList<std::uint32_t>("/device/held_forces", positions.size());
+  const auto touching = in.readList<std::uint8_t>("/contact/touching", positions.size());
+  const auto anchors = in.readList<Eigen::Vector3d>("/contact/anchor", positions.size());
+  const auto pressed = in.readList<Eigen::Vector3d>("/contact/displacement", positions.size());
   recording.readings.reserve(positions.size());
   for (std::size_t tick = 0; tick < positions.size(); ++tick) {
     if (status[tick] > DeviceStatus::away)
       throw in.damaged("/device/status", fmt::format("entry {} is not a known status", tick));
     recording.readings.push_back(
         {positions[tick], buttons[tick], status[tick], heldForces(forces[tick], times[tick])});
+    recording.touches.push_back(
+        touching[tick] == 0 ? std::nullopt : std::optional(Hold{anchors[tick], pressed[tick]}));
   }
   return recording;
+}
+
+void checkReplay(const Recording& recording, double period, const std::string& source) {
+  if (recording.readings.empty()) throw badInput("{}: the recording is empty", source);
+  if (std::abs(recording.rate * period - 1) > 1e-6)
+    throw badInput("{}: recorded at {} Hz; it cannot be replayed at {} Hz: use --rate {}", source,
+                   recording.rate, 1 / period, recording.rate);
+}
+
+std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const TouchSurface& surface,
+                                         const std::string& source) {
+  constexpr double rounding = 1e-9;  // m
+  std::vector<std::optional<Hold>> holds = recording.touches;
+  for (std::size_t tick = 0; tick < holds.size(); ++tick) {
+    if (!holds[tick]) continue;
+    Hold& hold = *holds[tick];
+    if (!(surface.tree().nearest(hold.place).distance <= rounding) ||
+        !hold.displacement.allFinite())
+      throw badInput("{}: tick {} touches another body; record the second finger on this mesh",
+                     source, tick + 1);
+    if (tick == 0 || !holds[tick - 1]) continue;
+    hold.displacement += hold.place - holds[tick - 1]->place;
+    hold.place = holds[tick - 1]->place;
+  }
+  return holds;
 }
 
 }  // namespace palpate

@@ -29,7 +29,7 @@ struct RecordedRun {
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options);
 
-/// Collects the states of a run in memory, 230 bytes each: 10 minutes at 1 kHz take 140 MB. Use it
+/// Collects the states of a run in memory, 310 bytes each: 10 minutes at 1 kHz take 190 MB. Use it
 /// from one thread at a time, and never from the haptic thread, because it allocates; another
 /// thread gets the states by HapticLoop::takeRecorded().
 class Recorder {
@@ -66,6 +66,11 @@ class Recorder {
   ///   /contact/followed     float64  n     share of the live solver's equilibria, 0 to 1
   ///   /contact/energy       float64  n     J, in the tissue; NaN if the method has none
   ///   /contact/error_bound  float64  n     N; NaN if the method gives none
+  ///   /hold/anchor          float64  n x 3 m, at rest, of a second finger; NaN without one, and
+  ///                                        missing, like the next three, in runs that had none
+  ///   /hold/displacement    float64  n x 3 m, of this anchor
+  ///   /hold/force           float64  n x 3 N, of the tissue on it; NaN if it is not known
+  ///   /hold/error_bound     float64  n     N, of this force
   ///   /guards               int32    n     bits of Guarded: part of the format, only append
   ///   /model, /method       int32    n     in use: indices into attributes models, methods
   ///   /workspace/rotation   float64  3 x 3 scene = origin + scale * rotation * device
@@ -94,11 +99,23 @@ struct Recording {
   bool scene_frame = false;             ///< positions are in the scene's frame, not the device's
   DeviceProfile profile;                ///< limits of the device; named "replay" if unknown
   std::vector<DeviceReading> readings;  ///< positions may be any number, also NaN
+  /// Where the tool touched the body in each tick; numbers may be NaN.
+  std::vector<std::optional<Hold>> touches;
 };
 
 /// Reads a recording. Throws Error (bad input) if `file` is missing or not a recording, and Error
 /// if it is damaged. Every array is compared with its hash, even if a replay does not need the
 /// array. The values that are used are also checked.
 Recording readRecording(const std::filesystem::path& file);
+
+/// Throws Error (bad input) if the recording has no tick, or if its rate is not 1 / `period`, s:
+/// otherwise the hand would move at another speed than in the recording. `source`: its name.
+void checkReplay(const Recording& recording, double period, const std::string& source);
+
+/// Returns the holds of a second finger that sticks to the body where the recorded tool begins to
+/// touch it, and moves with this tool until the touch ends; one per tick. Error (bad input) if a
+/// touch is not on `surface`.
+std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const TouchSurface& surface,
+                                         const std::string& source);
 
 }  // namespace palpate

@@ -16,4 +16,18 @@ std::optional<Touch> sameTouch(const HapticModel& touched, const Touch& touch,
   return same;
 }
 
+Touch heldTouch(const HapticModel& model, const Hold& hold, const HoldForce& force) {
+  const NearestPoint anchor = model.surface().nearestTouchable(hold.place);
+  Touch touch;
+  touch.touching = true;
+  touch.anchor = anchor;
+  touch.anchor_position = anchor.position;
+  touch.normal = model.surface().normal(anchor);
+  touch.displacement = hold.displacement;
+  touch.blend = model.surface().blendAt(anchor);
+  touch.force = force.force;
+  touch.error_bound = force.error_bound;
+  return touch;
+}
+
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "viewer/haptics/contact.hpp"
+#include "viewer/haptics/live_touch.hpp"
 
 namespace palpate {
 
@@ -12,5 +13,8 @@ namespace palpate {
 /// time.
 std::optional<Touch> sameTouch(const HapticModel& touched, const Touch& touch,
                                const HapticModel& other, std::size_t method);
+
+/// Returns the touch of a second finger that holds this model.
+Touch heldTouch(const HapticModel& model, const Hold& hold, const HoldForce& force);
 
 }  // namespace palpate

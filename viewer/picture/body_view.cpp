@@ -131,10 +131,11 @@ Eigen::Vector3d BodyView::originOf(std::size_t space) const {
   return vertex < 0 ? sphere_.centre : model_.surface().vertices()[at(vertex)];
 }
 
-void BodyView::deform(const Touch& touch) {
+void BodyView::deform(const Touch& touch, const std::optional<Touch>& held) {
   PALPATE_ASSERT(!touch.touching || at(touch.anchor.triangle) < model_.surface().triangles().size(),
                  "the touched triangle must belong to this model");
-  deformed_.evaluate(model_, touch, displacements_);
+  const std::array<Touch, 2> touches = {held.value_or(Touch()), touch};
+  deformed_.evaluate(model_, touches, displacements_);
   blend_ = touch.touching ? touch.blend : SpaceBlend();
   touch_displacement_ = touch.displacement - touch.excess();
 }

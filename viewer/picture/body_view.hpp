@@ -53,8 +53,9 @@ class BodyView {
 
   void setShadow(const SoftLight::Shadow& shadow) { shadow_ = shadow; }
   void showGhost(bool shown) { ghost_ = shown; }
-  /// Computes the displacements of the surface for a touch of this model.
-  void deform(const Touch& touch);
+  /// Computes the displacements of the surface for a touch of this model, and for a second finger
+  /// that holds it. The pressures are those of the first touch.
+  void deform(const Touch& touch, const std::optional<Touch>& held = {});
   /// Computes positions, normals and colours. Call after deform().
   ///
   /// method: must be prepared. Showing its error bounds for the first time takes a few

@@ -56,6 +56,13 @@ struct BesideContents {
   std::string sentence = {};
 };
 
+/// The second finger, which holds the body.
+struct HeldContents {
+  Touch touch;
+  ViewLabel label;  ///< at its force arrow
+  const ShownTool& tool;
+};
+
 /// A dataset or method that the user can choose.
 struct Choice {
   std::string name;
@@ -79,6 +86,7 @@ struct PanelContents {
   ViewLabel label = {};              ///< at the force arrow
   HandMarks hand = {};
   std::optional<BesideContents> beside = {};
+  std::optional<HeldContents> held = {};
 };
 
 }  // namespace palpate

@@ -112,8 +112,9 @@ struct Picture::Impl {
     return input;
   }
 
-  void showBody(BodyView& body, const Touch& touch, std::int32_t method) {
-    body.deform(touch);
+  void showBody(BodyView& body, const Touch& touch, std::int32_t method,
+                const std::optional<Touch>& second = {}) {
+    body.deform(touch, second);
     // The errors of a method are unknown until the method is prepared.
     const bool known = body.model().isPrepared(at(method));
     body.shade(known ? view.colour : SurfaceColour::tissue, method);
@@ -139,16 +140,30 @@ struct Picture::Impl {
   }
 
   void showTool(const HapticState& state, const PictureStatus& status) {
-    held.update(inUse().model(), state, control.toolIsThere(state, status), shot.camera,
-                inUse().sphere().radius);
+    show(state, control.toolIsThere(state, status), status, held, shot.tool);
+    shot.held.reset();
+    second.reset();
+    if (!state.hold) return;
+    second = heldTouch(inUse().model(), *state.hold, state.hold_force);
+    HapticState other;
+    other.touch = *second;
+    other.tool = second->anchor_position + second->displacement;
+    other.force = second->force;
+    shot.held = shot.tool;
+    shot.held->holds = true;
+    show(other, true, status, second_held, *shot.held);
+  }
+
+  void show(const HapticState& state, bool there, const PictureStatus& status, HeldTool& hand,
+            ShownTool& tool) {
+    hand.update(inUse().model(), state, there, shot.camera, inUse().sphere().radius);
     // The rounded end of the scale is at most the device's largest force, so that the arrow of this
     // force has its full length.
     const double force = state.force.norm();
     if (force > full_force)
       full_force = std::max(force, std::min(roundUp(force), status.max_force));
-    ShownTool& tool = shot.tool;
     tool.shape = toolOf(inUse().model(), at(lattice.space()));
-    tool.pose = held.pose();
+    tool.pose = hand.pose();
     tool.see_through = view.lattice;
     showForce(tool, state.force, isUncertain(state.touch));
     tool.skin.reset();
@@ -169,10 +184,10 @@ struct Picture::Impl {
     return longest_arrow * inUse().sphere().radius / full_force * force;
   }
 
-  ViewLabel labelOf(const HapticState& state, const Eigen::Vector3d& force,
+  ViewLabel labelOf(const Eigen::Vector3d& tool, const Eigen::Vector3d& force,
                     const Touch& touch) const {
-    return {.from = state.shownTool(),
-            .at = state.shownTool() + arrowOf(force),
+    return {.from = tool,
+            .at = tool + arrowOf(force),
             .text = forceText(force, touch),
             .uncertain = isUncertain(touch)};
   }
@@ -187,7 +202,7 @@ struct Picture::Impl {
                                     isFramedWith(inUse().sphere(), body.sphere()))};
     const bool pressures = view.colour == SurfaceColour::pressure;
     return {.body = body,
-            .label = labelOf(state, touch->force, *touch),
+            .label = labelOf(state.shownTool(), touch->force, *touch),
             .force = touch->force.norm(),
             .sentence = pressures ? whyNoPressures(body.model().pressures()) : ""};
   }
@@ -205,13 +220,16 @@ struct Picture::Impl {
                       .body = inUse(),
                       .space = now.spaces()[at(lattice.space())],
                       .tool = shot.tool,
-                      .label = labelOf(state, state.force, state.touch),
+                      .label = labelOf(state.shownTool(), state.force, state.touch),
                       .hand = control.marks()};
     for (const auto& each : shown)
       all.models.push_back({each->model().name(), each->model().preparedShare(method)});
     for (std::size_t m = 0; m < now.methods().size(); ++m)
       all.methods.push_back({now.methods()[m], now.preparedShare(m)});
     if (beside) all.beside.emplace(besideContents(state));
+    if (second)
+      all.held.emplace(
+          HeldContents{*second, labelOf(shot.held->pose.tip, second->force, *second), *shot.held});
     return all;
   }
 
@@ -225,6 +243,7 @@ struct Picture::Impl {
   Shot besideShot() const {
     Shot other = shot;
     other.body = beside->body;
+    other.held.reset();
     if (!isFramedWith(inUse().sphere(), beside->body->sphere()))
       frame(other.camera, *beside->body, viewport.rightHalf());
     if (beside->touch)
@@ -255,7 +274,7 @@ struct Picture::Impl {
     requests.tool = control.apply(persons(), inUse().model(), state, status, shot.camera);
     lattice.show(inUse(), state, view);
     showTool(state, status);
-    showBody(inUse(), state.touch, state.method);
+    showBody(inUse(), state.touch, state.method, second);
     compare(state);
     panels.build(contents(state, status), view, requests);
     render();
@@ -269,7 +288,8 @@ struct Picture::Impl {
   Stage stage;
   LatticeView lattice;
   Shot shot;  ///< of the last frame
-  HeldTool held;
+  HeldTool held, second_held;
+  std::optional<Touch> second;  ///< of the second finger, if it holds the body
   HandControl control;
   double listened = 0;  ///< s, glfwGetTime() of the last frame
   ViewChoices view;

@@ -31,6 +31,7 @@ struct PictureRequests {
   };
   std::optional<Use> use;  ///< switch to another dataset or method
   bool release = false;    ///< end the contact
+  bool hold = false;       ///< leave a second finger here, or let it go
   bool pause = false;      ///< pause, or continue after a pause
   bool reload = false;     ///< read the datasets again
   bool quit = false;       ///< the quit key was pressed; wantsClose() tells whether the window was

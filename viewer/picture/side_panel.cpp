@@ -144,8 +144,8 @@ std::string stiffnessText(const Eigen::Matrix3d& stiffness) {
   return fmt::format("{:.0f}, {:.0f}, {:.0f} N/m", k[2], k[1], k[0]);
 }
 
-/// Lists the force and the contact. The number of rows is always the same, so the rows below do not
-/// move.
+/// Lists the force and the contact. A touch does not change the number of rows, so the rows below
+/// do not move.
 void touchNumbers(const PanelContents& contents) {
   const Touch& touch = contents.state.touch;
   heading("Touch");
@@ -153,6 +153,12 @@ void touchNumbers(const PanelContents& contents) {
   if (contents.beside) row("beside", newtons(contents.beside->force));
   const double bound = touch.error_bound;
   row("error", std::isfinite(bound) ? fmt::format("± {:.2g} N", bound) : "unknown");
+  if (contents.held) {
+    const Touch& held = contents.held->touch;
+    row("held", std::isfinite(held.error_bound)
+                    ? fmt::format("{:.3f} ± {:.2g} N", held.force.norm(), held.error_bound)
+                    : "unknown");
+  }
   if (touch.touching)
     row("pressed", fmt::format("{:.1f} mm", 1e3 * touch.displacement.norm()));
   else

@@ -78,6 +78,7 @@ void Stage::render(const Shot& shot, const Viewport& viewport, bool clear) const
     drawApart(drawBackground);
     if (shot.body != nullptr) drawApart([&] { shot.body->drawOver(light_); });
     if (shot.lattice != nullptr) drawApart([&] { shot.lattice->draw(); });
+    if (shot.held) drawApart([&] { tool_.draw(*shot.held, light_); });
     drawApart([&] { tool_.draw(shot.tool, light_); });
   });
 }

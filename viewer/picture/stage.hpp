@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "viewer/picture/body_view.hpp"
 #include "viewer/picture/lattice_view.hpp"
@@ -33,6 +34,7 @@ struct Shot {
   BodyView* body = nullptr;
   const LatticeView* lattice = nullptr;
   ShownTool tool;
+  std::optional<ShownTool> held;  ///< the second finger, which holds the body
   OrbitCamera camera;
 };
 

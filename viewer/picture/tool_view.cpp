@@ -9,7 +9,7 @@ namespace {
 
 using Paint = std::array<float, 4>;  // red, green, blue, shine
 constexpr Paint steel = {0.80F, 0.83F, 0.86F, 1}, grip = {0.50F, 0.56F, 0.62F, 0.9F},
-                glove = {0.66F, 0.71F, 0.76F, 0.6F};
+                glove = {0.66F, 0.71F, 0.76F, 0.6F}, other_glove = {0.52F, 0.68F, 0.58F, 0.6F};
 constexpr Paint sure = {0.10F, 0.42F, 0.86F, 0.5F}, unsure = {0.98F, 0.67F, 0.10F, 0.4F};
 constexpr Paint at_rest = {0.16F, 0.26F, 0.48F, 0.9F};
 
@@ -104,7 +104,7 @@ void ToolView::drawTool(const ShownTool& tool, const SoftLight& light, double op
                    tool.handleRadius(), length);
       break;
     case ToolForm::finger:
-      paint(glove);
+      paint(tool.holds ? other_glove : glove);
       finger_.draw(ends[0], pose.handle, r, r);
       break;
   }

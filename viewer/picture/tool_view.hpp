@@ -41,7 +41,8 @@ struct SkinBelow {
 struct ShownTool {
   double extent = 0.1;  ///< radius of the scene, for parts that have no true size
   ToolShape shape;
-  ToolPose pose;  ///< not drawn if its tip is not finite
+  bool holds = false;  ///< the second finger, which has another shade
+  ToolPose pose;       ///< not drawn if its tip is not finite
   /// Vector from the tip of the tool to the tip of the arrow. A very short arrow is not drawn.
   Eigen::Vector3d arrow = Eigen::Vector3d::Zero();
   bool uncertain = false;                 ///< whether the force that the arrow shows is uncertain

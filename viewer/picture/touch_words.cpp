@@ -30,7 +30,7 @@ bool isUncertain(const Touch& touch) {
 }
 
 std::string forceText(const Eigen::Vector3d& force, const Touch& touch) {
-  if (!touch.touching && force.norm() == 0) return {};
+  if (!force.allFinite() || (!touch.touching && force.norm() == 0)) return {};
   std::string text = fmt::format("{:.2f} N", force.norm());
   if (isBeyond(touch)) return text + "\ndeeper than computed: a wall pushes back";
   if (touch.touching && std::isfinite(touch.error_bound))

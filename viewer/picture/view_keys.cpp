@@ -32,6 +32,7 @@ void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureReques
   if (pressed(GLFW_KEY_B)) choices.beside = !choices.beside;
   if (pressed(GLFW_KEY_H)) choices.help = !choices.help;
   if (pressed(GLFW_KEY_R) || pressed(GLFW_KEY_ESCAPE)) requests.release = true;
+  if (pressed(GLFW_KEY_T)) requests.hold = true;
   if (pressed(GLFW_KEY_SPACE)) requests.pause = true;
   if (pressed(GLFW_KEY_F5)) requests.reload = true;
   if (pressed(GLFW_KEY_Q)) requests.quit = true;

@@ -9,7 +9,7 @@
 namespace palpate {
 
 /// The keys and what they do. The help shows one pair per line.
-inline constexpr std::array<std::array<const char*, 2>, 23> key_help = {
+inline constexpr std::array<std::array<const char*, 2>, 24> key_help = {
     {{"left on the organ", "press, slide"},
      {"wheel while pressing", "deeper, shallower"},
      {"left drag beside it", "turn"},
@@ -20,6 +20,7 @@ inline constexpr std::array<std::array<const char*, 2>, 23> key_help = {
      {"arrows, Enter", "slide, press or end"},
      {"Page Down, Up", "deeper, shallower"},
      {"R, Esc", "take the tool out"},
+     {"T", "leave a finger here, let it go"},
      {"Shift arrows, + -", "turn, zoom"},
      {"", ""},
      {"F", "show all, reset colours"},

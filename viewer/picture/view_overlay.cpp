@@ -154,6 +154,13 @@ class Overlay {
   Overlay& operator=(const Overlay&) = delete;
 
   void keepClearOf(const ScreenBox& box) { taken_.push_back(box); }
+  void keepClearOf(const ShownTool& tool) {
+    if (!tool.pose.tip.allFinite()) return;
+    const auto [tip, end] = tool.axis();
+    const double pixels = size_.y() / camera_.moveInPlane(tip, 0, 1).norm();  // per metre
+    clear_.push_back({seen(tip), seen(tip), pixels * tool.radius()});
+    clear_.push_back({seen(tip), seen(end), pixels * tool.handleRadius()});
+  }
 
   /// Draws names at the upper right, one per line.
   void names(const std::vector<std::string>& names) {
@@ -172,21 +179,19 @@ class Overlay {
   }
 
   /// Draws a label on a light background, beyond the tip of its arrow.
-  void label(const ViewLabel& label, const ShownTool& tool) {
+  void label(const ViewLabel& label) {
     if (label.text.empty() || !(camera_.project(label.at).z() > 0)) return;
     const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
-    const auto [tip, end] = tool.axis();
-    const double pixels = size_.y() / camera_.moveInPlane(tip, 0, 1).norm();  // per metre
-    const std::array<ThickLine, 2> clear = {{{seen(tip), seen(tip), pixels * tool.radius()},
-                                             {seen(tip), seen(end), pixels * tool.handleRadius()}}};
     const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
     const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
     const Eigen::Vector2d edge(view_edge, view_edge);
     const ScreenBox box = placeLabel(arrow, Eigen::Vector2d(text.x, text.y) + 2 * padding,
-                                     {from_ + edge, from_ + size_ - edge}, clear, taken_);
+                                     {from_ + edge, from_ + size_ - edge}, clear_, taken_);
     canvas().AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
     canvas().AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink,
                      label.text.c_str());
+    keepClearOf(box);
+    clear_.push_back(arrow);
   }
 
   /// Draws the ring of a hand without a device: a circle around the place, in the plane of the
@@ -218,6 +223,7 @@ class Overlay {
   const OrbitCamera& camera_;
   Eigen::Vector2d from_, size_;
   std::vector<ScreenBox> taken_;
+  std::vector<ThickLine> clear_;  ///< tools and arrows
 };
 
 /// Draws the hint, if there is one. Returns the area that it covers.
@@ -241,7 +247,10 @@ void drawTouched(const PanelContents& contents, const ViewChoices& choices, cons
   if (!choices.help) overlay.keepClearOf(drawLegends(canvas(), contents, choices, {size.x, foot}));
   const HapticModel& model = contents.body.model();
   overlay.names({model.name(), tissueText(model.regions()), "H: help"});
-  overlay.label(contents.label, contents.tool);
+  overlay.keepClearOf(contents.tool);
+  if (contents.held) overlay.keepClearOf(contents.held->tool);
+  overlay.label(contents.label);
+  if (contents.held) overlay.label(contents.held->label);
   drawBanners(contents, choices, size.x);
   if (contents.hand.ring) overlay.ring(*contents.hand.ring, contents.hand.ring_radius);
 }
@@ -256,7 +265,8 @@ void drawBeside(const PanelContents& contents, const Viewport& part,
   overlay.names({beside.body.model().name(), tissueText(beside.body.model().regions())});
   if (!beside.sentence.empty())
     overlay.keepClearOf(drawSentence(beside.sentence, part, px(sentence_above)));
-  overlay.label(beside.label, contents.tool);
+  overlay.keepClearOf(contents.tool);
+  overlay.label(beside.label);
 }
 
 }  // namespace

@@ -33,6 +33,10 @@ class Recording(ByValue):
     coverage: Numbers  #: (n,), 0 to 1, as in ``Answers``; NaN in older recordings
     energy: Numbers  #: (n,), J, stored in the tissue; NaN: method without energy
     error_bound: Numbers  #: (n,), N; NaN: unknown
+    hold_anchor: Numbers  #: (n, 3), m, the place at rest of a second finger that holds the body; NaN without one
+    hold_displacement: Numbers  #: (n, 3), m, of this place
+    hold_force: Numbers  #: (n, 3), N, of the tissue on this finger; NaN: unknown
+    hold_error_bound: Numbers  #: (n,), N, of this force
     guards: npt.NDArray[np.int32]  #: (n,), bits of the active force limits
     attributes: dict[str, Any]  #: datasets, methods, device and options of the run
 
@@ -47,6 +51,8 @@ class Recording(ByValue):
             older = "contact/inside" not in f
             inside = np.ones(time.shape) if older else array("contact/inside")
             coverage = np.full(time.shape, np.nan) if older else array("contact/coverage")
+            held = {name: array("hold/" + name) if "hold" in f else np.full((*time.shape, *shape), np.nan)
+                    for name, shape in (("anchor", (3,)), ("displacement", (3,)), ("force", (3,)), ("error_bound", ()))}
             attributes = {name: value.decode() if isinstance(value, bytes) else value for name, value in f.attrs.items()}
             return Recording(time=time, device_position=array("device/position"), buttons=array("device/buttons"),
                              status=array("device/status"), tool=array("tool/position"), force=array("force/rendered"),
@@ -54,4 +60,4 @@ class Recording(ByValue):
                              anchor=array("contact/anchor"), displacement=array("contact/displacement"),
                              inside=inside.astype(np.bool_), coverage=coverage,
                              energy=array("contact/energy"), error_bound=array("contact/error_bound"), guards=array("guards"),
-                             attributes=attributes)
+                             attributes=attributes, **{"hold_" + name: values for name, values in held.items()})

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace palpate {
 namespace {
 
@@ -124,11 +126,29 @@ TEST_F(LiveCorrectionTest, FollowsAHoldThatMoves) {
   live_.add(heldAt(hold), 0);
   live_.advance(1e-3);
   EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.5, 1e-3);
-  EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).value()[2], 0.5, 1e-9);
+  EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).force[2], 0.5, 1e-9);
   hold.displacement[2] += 0.004;
   live_.setHold(hold);
   EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.58, 2e-3);
-  EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).value()[2], 0.5 - 80 * 0.004, 1e-9);
+  EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).force[2], 0.5 - 80 * 0.004, 1e-9);
+}
+
+TEST_F(LiveCorrectionTest, BoundsTheErrorOfTheForceOnAHold) {
+  Hold hold = {{0.05, 0, 0}, {0, 0, 0.002}};
+  const auto bound = [&] { return live_.holdForce(touched_place, pressed_by).error_bound; };
+  live_.setHold(hold);
+  EXPECT_TRUE(std::isnan(bound())) << "no force, so no bound";
+  live_.add(heldAt(hold), 0);
+  EXPECT_NEAR(bound(), 0.5e-4, 1e-9) << "the solver's own error";
+  hold.displacement[2] += 0.004;
+  live_.setHold(hold);
+  const double moved = bound();
+  EXPECT_GT(moved, 0.1 * 80 * 0.004);
+  Expansion other = heldAt(hold);
+  other.held->force[2] = 0.1;
+  live_.add(other, 0);
+  EXPECT_GT(bound(), 1e-3) << "they disagree";
+  EXPECT_LT(bound(), moved);
 }
 
 TEST_F(LiveCorrectionTest, ClaimsNoAccuracyOfTheAreaBesideAHold) {
@@ -145,7 +165,7 @@ TEST_F(LiveCorrectionTest, ClaimsNoAccuracyUntilTheLiveSolverKnowsTheHold) {
   live_.setHold(hold);
   EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.5, 1e-3) << "without a step";
   EXPECT_GE(at(touched_place, pressed_by).error_bound, 1.49);
-  EXPECT_FALSE(live_.holdForce(touched_place, pressed_by));
+  EXPECT_FALSE(live_.holdForce(touched_place, pressed_by).force.allFinite());
   live_.add(heldAt(hold), 0);
   live_.advance(1e-3);
   EXPECT_LT(at(touched_place, pressed_by).error_bound, 0.01);

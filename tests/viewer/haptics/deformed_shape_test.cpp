@@ -74,6 +74,24 @@ TEST_F(DeformedShapeTest, ChangesNothingFarFromTheAnchor) {
   }
 }
 
+TEST_F(DeformedShapeTest, PassesThroughBothTools) {
+  const auto pressedAt = [&](double x, double depth) {
+    Contact contact(model, {.friction = 10});
+    for (int n = 0; n <= 100; ++n) contact.update({x, 0.05, 0.1001 - 1e-2 * n * depth});
+    EXPECT_TRUE(contact.touch().touching);
+    return contact.touch();
+  };
+  const std::vector<Touch> both = {pressedAt(0.03, 0.008), pressedAt(0.07, 0.006)};
+  std::vector<float> out(3 * model.surface().vertices().size());
+  shape.evaluate(model, both, out);
+  for (const Touch& touch : both)
+    EXPECT_LT((displacementAt(out, touch.anchor) - touch.displacement).norm(), 2e-5);
+  const std::vector<float> one = shapeOf(both[0]), other = shapeOf(both[1]);
+  EXPECT_GT((displacementAt(one, both[1].anchor)).norm(), 1e-4) << "one moves the other's place";
+  shape.evaluate(model, std::vector<Touch>{Touch(), both[1]}, out);
+  EXPECT_EQ(out, other);
+}
+
 TEST_F(DeformedShapeTest, IsAtRestWhenNothingIsTouched) {
   EXPECT_TRUE(std::ranges::all_of(shapeOf(Touch{}), [](float x) { return x == 0; }));
 }

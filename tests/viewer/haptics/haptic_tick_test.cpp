@@ -258,6 +258,68 @@ TEST_F(HapticTickTest, EndsContactOnCommandByARamp) {
   EXPECT_EQ(tick.state().force.norm(), 0);
 }
 
+TEST_F(HapticTickTest, LeavesASecondFingerAndLetsItGo) {
+  LiveTouch live(0.02);
+  TickOptions following = options();
+  following.contact.live = &live;
+  following.contact.live_model = &model();
+  bool out = false;
+  ScriptedHand hand([&](std::uint64_t tick) { return out ? above() : pressing(tick); });
+  HapticTick tick({&model()}, hand, following);
+  const HapticCommand leave = {HapticCommand::Kind::hold};
+  tick.obey(leave);
+  EXPECT_FALSE(tick.run().hold) << "nothing is touched";
+  for (int n = 0; n < 100; ++n) tick.run();
+  const Touch touch = tick.state().touch;
+  ASSERT_TRUE(touch.touching);
+  tick.obey(leave);
+  tick.run();
+  ASSERT_TRUE(tick.state().hold);
+  EXPECT_EQ(tick.state().hold->place, touch.anchor_position);
+  EXPECT_EQ(tick.state().hold->displacement, touch.displacement);
+  EXPECT_FALSE(tick.state().touch.touching) << "the hand goes on as another finger";
+  EXPECT_FALSE(tick.state().hold_force.force.allFinite());
+
+  out = true;
+  for (int n = 0; n < 100; ++n) tick.run();
+  out = false;
+  tick.run();
+  ASSERT_TRUE(tick.state().touch.touching);
+  EXPECT_EQ(live.hand().hold.value().place, touch.anchor_position) << "the live solver knows it";
+  Expansion found;
+  found.place = tick.state().touch.anchor_position;
+  found.displacement = tick.state().touch.displacement;
+  found.held.emplace().at = *tick.state().hold;
+  found.held->force = {0, 0, 0.7};
+  live.answer(found);
+  tick.run();
+  EXPECT_NEAR(tick.state().hold_force.force.z(), 0.7, 1e-9);
+  tick.obey({HapticCommand::Kind::release});
+  EXPECT_TRUE(tick.run().hold) << "only the hand's contact ends";
+  tick.obey(leave);
+  EXPECT_FALSE(tick.run().hold);
+  EXPECT_FALSE(live.hand().hold);
+}
+
+TEST_F(HapticTickTest, HoldsTheBodyTickByTick) {
+  LiveTouch live(0.02);
+  const std::vector<std::optional<Hold>> holds = {
+      std::nullopt, Hold{{0.03, 0.05, 0.1}, {0, 0, -0.002}}, std::nullopt};
+  TickOptions following = options();
+  following.holds = holds;
+  ScriptedHand hand(pressing);
+  EXPECT_FALSE(HapticTick({&model()}, hand, following).run().hold) << "without a live solver";
+  following.contact.live = &live;
+  following.contact.live_model = &model();
+  HapticTick tick({&model()}, hand, following);
+  EXPECT_FALSE(tick.run().hold);
+  EXPECT_EQ(tick.run().hold.value().place, holds[1]->place);
+  for (int n = 0; n < 200; ++n) EXPECT_FALSE(tick.run().hold);
+  ASSERT_TRUE(tick.state().touch.touching);
+  tick.obey({HapticCommand::Kind::hold});
+  EXPECT_FALSE(tick.run().hold) << "no command moves it";
+}
+
 TEST_F(HapticTickTest, NeedsAModel) {
   ScriptedHand hand(pressing);
   EXPECT_THROW(HapticTick({}, hand, options()), std::logic_error);

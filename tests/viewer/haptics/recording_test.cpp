@@ -23,6 +23,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/viewer/haptics/scripted_hand.hpp"
 
 namespace palpate {
 namespace {
@@ -163,6 +164,61 @@ TEST(Recording, ReturnsTheReadingsOfTheDeviceToTheLastBit) {
     EXPECT_EQ(read.readings[n].status, states[n].reading.status);
     EXPECT_EQ(read.readings[n].held, states[n].reading.held) << n;
   }
+}
+
+TEST(Recording, HoldsTheSecondFingerOfARunThatHasOne) {
+  const TemporaryDirectory folder;
+  std::vector<HapticState> states = someStates(20);
+  for (std::size_t n = 5; n < 10; ++n) {
+    states[n].hold = Hold{states[n].tool, states[n].force};
+    states[n].hold_force = {states[n].tool, 0.1 * static_cast<double>(n)};
+  }
+  Recorder recorder(someRun());
+  for (const HapticState& state : states) recorder.add(state);
+  recorder.save(folder / "run.h5");
+  hdf5::Reader in(folder / "run.h5");
+  in.findArrays();
+  const auto anchors = in.readList<Eigen::Vector3d>("/hold/anchor"),
+             displacements = in.readList<Eigen::Vector3d>("/hold/displacement"),
+             forces = in.readList<Eigen::Vector3d>("/hold/force");
+  const auto bounds = in.readList<double>("/hold/error_bound");
+  ASSERT_EQ(anchors.size(), states.size());
+  for (std::size_t n = 0; n < states.size(); ++n) {
+    if (!states[n].hold) {
+      EXPECT_TRUE(anchors[n].hasNaN() && displacements[n].hasNaN() && forces[n].hasNaN()) << n;
+      continue;
+    }
+    EXPECT_EQ(anchors[n], states[n].hold->place);
+    EXPECT_EQ(displacements[n], states[n].hold->displacement);
+    EXPECT_EQ(forces[n], states[n].hold_force.force);
+    EXPECT_EQ(bounds[n], states[n].hold_force.error_bound);
+  }
+  EXPECT_EQ(readRecording(folder / "run.h5").readings.size(), states.size());
+  someRecorder(20).save(folder / "alone.h5");
+  hdf5::Reader alone(folder / "alone.h5");
+  alone.findArrays();
+  EXPECT_EQ(std::ranges::count_if(
+                alone.arrays(),
+                [](const hdf5::ArrayInfo& array) { return array.path.starts_with("/hold"); }),
+            0);
+}
+
+TEST(Recording, MovesASecondFingerThatStaysAtItsPlace) {
+  const test::TouchedCube cube;
+  const Eigen::Vector3d place(0.05, 0.05, 0.1), slid(0.055, 0.05, 0.1), deep(0, 0, -0.003);
+  Recording recording;
+  recording.touches = {std::nullopt, Hold{place, deep}, Hold{slid, deep}, std::nullopt,
+                       Hold{slid, deep}};
+  const auto holds = holdsOf(recording, cube.model().surface(), "run.h5");
+  ASSERT_EQ(holds.size(), 5u);
+  EXPECT_FALSE(holds[0] || holds[3]);
+  EXPECT_EQ(holds[1].value().place, place);
+  EXPECT_EQ(holds[2].value().place, place) << "it sticks";
+  EXPECT_LT((holds[2]->place + holds[2]->displacement - slid - deep).norm(), 1e-15);
+  EXPECT_EQ(holds[4].value().place, slid) << "a new touch";
+  recording.touches[2]->place.z() += 0.01;
+  test::expectBadInput([&] { holdsOf(recording, cube.model().surface(), "run.h5"); },
+                       {"run.h5", "tick 3", "another body"});
 }
 
 TEST(Recording, RecordsTheSettingsOfTheRun) {

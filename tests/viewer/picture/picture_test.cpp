@@ -173,6 +173,21 @@ TEST_F(PictureTest, ShowsAnArrowWhenThereIsAForce) {
   EXPECT_GT(find(pictureOf(state), isBlue).count, 100);
 }
 
+TEST_F(PictureTest, ShowsASecondFingerWithItsDentAndForce) {
+  HapticState held = pressed(0);
+  const Image rest = pictureOf(held, {.ghost = false});
+  const Eigen::Vector3d place = model.surface().nearestTouchable({0, 0, 0.2}).position;
+  held.hold = Hold{place, {0, 0, -0.0048}};
+  const Image dent = pictureOf(held, {.ghost = false});
+  EXPECT_GT(differences(rest, dent, 980, 622), 10000) << "the body is deformed without the hand";
+  held.hold_force = {{0, 0, 0.4}, 0.01};
+  const Image pushing = pictureOf(held, {.ghost = false});
+  EXPECT_GT(differences(dent, pushing, 980, 400), 200) << "an arrow and a label";
+  EXPECT_LT(firstChangeInPanel(dent, pushing), dent.height);
+  held.hold_force.error_bound = 0.3;
+  EXPECT_GT(find(pictureOf(held, {.ghost = false}), isAmber).count, 50);
+}
+
 TEST_F(PictureTest, ShowsAnUncertainForceInAmber) {
   HapticState state = pressed(0.004);
   ASSERT_TRUE(state.touch.touching);
@@ -317,6 +332,7 @@ TEST_F(PictureTest, PassesOnCommandsByKeys) {
     return picture.draw(state, {});
   };
   EXPECT_TRUE(after("r").release);
+  EXPECT_TRUE(after("t").hold);
   EXPECT_TRUE(after("space").pause);
   EXPECT_TRUE(after("F5").reload);
   EXPECT_TRUE(after("q").quit);
@@ -540,6 +556,19 @@ TEST_F(StageTest, PointsTheArrowAlongTheForce) {
     EXPECT_GT(seen.normalized().dot(arrow.head<2>().normalized()), 0.98) << arrow.transpose();
     EXPECT_GT(seen.norm(), 20);
   }
+}
+
+TEST_F(StageTest, DrawsTheSecondFingerInAnotherShade) {
+  const auto isGreen = [](Pixel p) { return p[1] > p[0] + 15 && p[1] > p[2] + 8; };
+  shot.tool.shape = {ToolForm::finger, 0.02};
+  shot.tool.pose.tip = {-0.05, 0, 0};
+  EXPECT_EQ(find(render(), isGreen, 400, 400).count, 0);
+  shot.held = shot.tool;
+  shot.held->holds = true;
+  shot.held->pose.tip = {0.05, 0, 0};
+  const Spot spot = find(render(), isGreen, 400, 400);
+  EXPECT_GT(spot.count, 200);
+  EXPECT_GT(spot.x, 200) << "only the second one";
 }
 
 TEST_F(StageTest, DashesTheArrowOfAnUncertainForce) {
