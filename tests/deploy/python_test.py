@@ -4,6 +4,7 @@ hand PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
 import contextlib
 import copy
 import dataclasses
+import importlib.util
 import inspect
 import json
 import os
@@ -578,6 +579,31 @@ class PythonLive(WithDatasets):
             self.assertLess(np.linalg.norm(live.hold_force - exact["hold_force"]), 0.01 * np.linalg.norm(exact["hold_force"]))
             live.let_go()
             self.assertIsExact(self.press(contact, 1, 2))
+
+    def testABarOfTwoTipsFeelsForcesAndTorqueOfOneEquilibrium(self):
+        spec = importlib.util.spec_from_file_location("bar", EXAMPLES / "bar.py")
+        example = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(example)
+        axis = np.array((np.cos(0.08), 0, np.sin(0.08)))  # the tip at larger x is less deep
+        with palpate.Live(self.scene, worker=self.WORKER) as live:
+            felt = []
+            for direction in axis, -axis:
+                bar = example.Bar(live, 0.05)
+                for n in range(2000):
+                    middle = np.array((0.05, 0.05, max(0.105 - 1e-5 * n, 0.096)))
+                    forces, torque = bar.update(middle, direction)
+                    time.sleep(0.001)
+                first, second = bar.followed.update(middle + 0.025 * direction), bar.holding.update(middle - 0.025 * direction)
+                exact = json.loads(self.run_program("solve", self.scene, "--json", "--at", *first.anchor, "--displacement",
+                                                    *first.displacement, "--hold", *second.anchor, *second.displacement))
+                np.testing.assert_allclose(forces, (exact["force"], exact["hold_force"]), atol=0.01 * np.abs(forces).max())
+                felt.append((forces.sum(axis=0), torque))
+                bar.close()
+            (force, torque), (other_force, other_torque) = felt
+            self.assertGreater(force[2], 0.2)
+            self.assertGreater(torque[1], 0.1 * 0.025 * force[2])  # the deeper tip is pushed up, so the bar turns back
+            np.testing.assert_allclose(other_force, force, atol=0.01 * force[2])  # whichever tip is followed
+            np.testing.assert_allclose(other_torque, torque, atol=0.02 * np.abs(torque).max())
             with self.assertRaisesRegex(palpate.Error, "finite"):
                 live.hold((0, 0, np.nan), (0, 0, 0))
 
@@ -666,6 +692,13 @@ class PythonArrays(WithDatasets):
             np.testing.assert_array_equal(recording.raw_force, f["force/raw"])
         self.assertIn("nodes", recording.attributes["models"] + recording.attributes["datasets"])
         self.assertEqual(recording, palpate.Recording.read(run))
+        self.assertTrue(np.isnan(recording.hold_force).all() and np.isnan(recording.hold_error_bound).all())
+        held = {"anchor": recording.tool, "displacement": -recording.tool, "force": recording.force, "error_bound": recording.time}
+        with h5py.File(run, "a") as f:
+            for name, values in held.items():
+                f["hold/" + name] = values
+        for name, values in held.items():
+            np.testing.assert_array_equal(getattr(palpate.Recording.read(run), "hold_" + name), values)
         with h5py.File(run, "a") as f:
             del f["contact/inside"], f["contact/coverage"]
         older = palpate.Recording.read(run)
