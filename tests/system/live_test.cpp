@@ -141,6 +141,32 @@ TEST_F(LiveTest, AHandFeelsWhatTheSolverFindsAroundIt) {
   expectFollowed(touchesIn("run.h5"));
 }
 
+TEST_F(LiveTest, AReportComparesARecordedRunWithExactSolutions) {
+  auto run = view({"--live", "cube.toml", "--duration", "3", "--record", "told.h5"});
+  ASSERT_EQ(run->wait(), 0) << run->output();
+  const auto reported = [](const char* scene) {
+    const test::CommandResult done = test::runCommand(
+        fmt::format("cd '{}' && " PALPATE_BIN_DIR "/palpate-answers report told.h5 {} --json",
+                    directory_->path().string(), scene));
+    EXPECT_EQ(done.exit_code, 0) << done.output;
+    return nlohmann::json::parse(done.output);
+  };
+  const nlohmann::json report = reported("cube.toml");
+  EXPECT_EQ(report.at("touching"), touchesIn("told.h5").time.size());
+  EXPECT_EQ(report.at("unsolved"), 0);
+  EXPECT_EQ(report.at("all").at("count"), 1000);
+  for (const char* intervals : {"times", "in_contact", "speeds"}) {
+    int count = 0;
+    for (const auto& interval : report.at(intervals))
+      count += interval.at("errors").at("count").get<int>();
+    EXPECT_EQ(count, 1000) << intervals;
+  }
+  EXPECT_LT(report.at("all").at("relative").at("median"), 0.02);
+  EXPECT_GT(report.at("all").at("within_target"), 0.8);
+  // The tissue of this scene is about 1.5 times as stiff as the tissue that was felt.
+  EXPECT_GT(reported("stiff.toml").at("all").at("relative").at("median"), 0.2);
+}
+
 TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {
   Process run("palpate-viewer",
               {"view", "stiff.toml", "--headless", "--hand-speed", "0.05", "--duration", "4",

@@ -1,5 +1,6 @@
 #include "viewer/haptics/recording.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -271,6 +272,29 @@ std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const Touch
     hold.place = holds[tick - 1]->place;
   }
   return holds;
+}
+
+std::vector<RecordedTouch> readTouches(const std::filesystem::path& file) {
+  Reader in(file, recording_kind);
+  checkFormat(in, file);
+  in.findArrays();
+  const auto times = in.readList<double>("/time");
+  const auto vectors = [&](const char* path) {
+    return in.readList<Eigen::Vector3d>(path, times.size());
+  };
+  const auto tools = vectors("/tool/position"), anchors = vectors("/contact/anchor"),
+             displacements = vectors("/contact/displacement"), forces = vectors("/force/raw");
+  const auto touching = in.readList<std::uint8_t>("/contact/touching", times.size());
+  const auto bounds = in.readList<double>("/contact/error_bound", times.size());
+  std::vector<Eigen::Vector3d> holds;
+  if (std::ranges::find(in.arrays(), "/hold/anchor", &hdf5::ArrayInfo::path) != in.arrays().end())
+    holds = vectors("/hold/anchor");
+  std::vector<RecordedTouch> touches(times.size());
+  for (std::size_t n = 0; n < times.size(); ++n)
+    touches[n] = {
+        times[n],   tools[n],         touching[n] != 0, !holds.empty() && !holds[n].hasNaN(),
+        anchors[n], displacements[n], forces[n],        bounds[n]};
+  return touches;
 }
 
 }  // namespace palpate

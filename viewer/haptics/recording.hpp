@@ -118,4 +118,19 @@ void checkReplay(const Recording& recording, double period, const std::string& s
 std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const TouchSurface& surface,
                                          const std::string& source);
 
+/// The touch in a tick of a recording, in the frame of the scene.
+struct RecordedTouch {
+  double time = 0;                                   ///< s
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();    ///< m, position
+  bool touching = false;                             ///< if not, the rest means nothing
+  bool held = false;                                 ///< whether a second finger holds the body
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< m, at rest
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m, of the anchor
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, before the guard
+  double error_bound = 0;                                  ///< N; NaN if the method gives none
+};
+
+/// Reads the touches of a recording, one per tick. Throws the errors of readRecording().
+std::vector<RecordedTouch> readTouches(const std::filesystem::path& file);
+
 }  // namespace palpate

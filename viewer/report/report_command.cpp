@@ -11,6 +11,7 @@
 #include "viewer/report/report_json.hpp"
 #include "viewer/report/report_page.hpp"
 #include "viewer/report/report_text.hpp"
+#include "viewer/report/run_accuracy.hpp"
 
 namespace palpate {
 namespace {
@@ -36,7 +37,8 @@ void write(const ReportCommandOptions& options, const Shown& shown, std::ostream
 void ReportCommandOptions::addTo(CLI::App& app) {
   addRequired(app, "DATASET", report.datasets,
               "Sealed datasets, OUT.h5; those of one scene with other spacings or accuracies add "
-              "points to the curves; two of different organs or materials are compared",
+              "points to the curves; two of different organs or materials are compared. Or a "
+              "recorded run and its scene, RUN.h5 SCENE.toml",
               "FILE");
   app.add_option("--methods", report.methods,
                  fmt::format("Methods to measure, separated by commas [all]: {}",
@@ -54,6 +56,9 @@ void report(const ReportCommandOptions& options, std::ostream& output) {
     refuseInput(options.html, "--html", options.report.datasets);
     refuseUnwritable(options.html, "--html");
   }
+  const std::vector<std::filesystem::path>& files = options.report.datasets;
+  if (files.size() == 2 && files[1].extension() == ".toml")
+    return write(options, measureRun(files[0], files[1]), output);
   std::vector<Dataset> open(options.report.datasets.begin(), options.report.datasets.end());
   std::ranges::for_each(open, warnIfPartial);
   if (open.size() == 2 && !sceneDifferences(open[0], open[1]).empty())

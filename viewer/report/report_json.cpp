@@ -4,6 +4,7 @@
 #include "common/space/failure.hpp"
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report.hpp"
+#include "viewer/report/run_accuracy.hpp"
 
 namespace palpate {
 namespace {
@@ -157,6 +158,17 @@ Json placeJson(const ComparedPlace& place) {
             {"relative", place.relative}}}};
 }
 
+Json toJson(const AccuracyTarget& target) {
+  return {{"force_error", target.force_error}, {"force_floor", target.force_floor}};
+}
+
+Json intervalsJson(const std::vector<RunInterval>& intervals) {
+  Json all = Json::array();
+  for (const auto& [from, to, errors] : intervals)
+    all.push_back({{"from", from}, {"to", to}, {"errors", toJson(errors)}});
+  return all;
+}
+
 }  // namespace
 
 Json toJson(const Report& report) {
@@ -166,9 +178,8 @@ Json toJson(const Report& report) {
   for (std::size_t d = 0; d < report.open.size(); ++d)
     json["datasets"].push_back(datasetJson(report.open[d], report.datasets[d]));
   json["references"] = {{"kind", name(report.held_out.kind)}, {"count", report.held_out.count}};
-  json["target"] = {{"force_error", report.target.force_error},
-                    {"force_floor", report.target.force_floor},
-                    {"of_scene", report.target_of_scene}};
+  json["target"] = toJson(report.target);
+  json["target"]["of_scene"] = report.target_of_scene;
   json["relative_error_floor"] = relative_error_floor;
   json["methods"] = report.methods;
   json["compared_nodes"] = report.compared;
@@ -199,6 +210,20 @@ Json toJson(const Comparison& comparison) {
   for (const ComparedPlace& place : comparison.places) json["nodes"].push_back(placeJson(place));
   json["limits"] = comparison.limits;
   return json;
+}
+
+Json toJson(const RunAccuracy& run) {
+  return {{"recording", run.recording.string()},
+          {"scene", run.scene},
+          {"ticks", run.ticks},
+          {"touching", run.touching},
+          {"unsolved", run.unsolved},
+          {"target", toJson(run.target)},
+          {"relative_error_floor", relative_error_floor},
+          {"all", toJson(run.all)},
+          {"times", intervalsJson(run.times)},
+          {"in_contact", intervalsJson(run.in_contact)},
+          {"speeds", intervalsJson(run.speeds)}};
 }
 
 std::string jsonText(const Json& json) {

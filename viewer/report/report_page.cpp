@@ -15,6 +15,7 @@
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report_json.hpp"
 #include "viewer/report/report_words.hpp"
+#include "viewer/report/run_accuracy.hpp"
 
 namespace palpate {
 
@@ -254,7 +255,19 @@ DrawingJson drawingsOf(const Comparison& comparison) {
           {"provenance", provenanceOf(comparison.open, comparison.datasets)}};
 }
 
-/// Returns the page of a report or comparison.
+DrawingJson drawingsOf(const RunAccuracy& run) {
+  DrawingJson ticks = DrawingJson::array();
+  for (const ComparedTick& tick : run.compared) {
+    const double force = std::max(tick.force.exact.norm(), relative_error_floor);
+    const double error = (tick.force.interpolated - tick.force.exact).norm();
+    ticks.push_back(numbers(std::array{tick.time, tick.in_contact, tick.speed, error / force,
+                                       tick.force.error_bound / force},
+                            4));
+  }
+  return {{"version", version()}, {"ticks", ticks}};
+}
+
+/// Returns the page of a report, a comparison or a run.
 template <class Shown>
 std::string filledPage(const std::string& title, const Shown& shown) {
   nlohmann::ordered_json json = toJson(shown);
@@ -274,6 +287,10 @@ std::string pageOf(const Comparison& comparison) {
   return filledPage(
       fmt::format("{} and {}", comparison.open[0].scene().name, comparison.open[1].scene().name),
       comparison);
+}
+
+std::string pageOf(const RunAccuracy& run) {
+  return filledPage(fmt::format("{}: {}", run.scene, run.recording.filename().string()), run);
 }
 
 }  // namespace palpate

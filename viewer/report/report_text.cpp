@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/number_text.hpp"
 #include "common/base/terminal.hpp"
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/report_words.hpp"
+#include "viewer/report/run_accuracy.hpp"
 
 namespace palpate {
 namespace {
@@ -130,6 +132,24 @@ std::string failures(const Report& report) {
   return text;
 }
 
+constexpr const char* run_row = "{:<24}{:>8}{:>12}{:>12}{:>12}{:>12}{:>15}\n";
+
+std::string runLine(const std::string& label, const ErrorMeasures& errors) {
+  return fmt::format(run_row, label, errors.count, formatNumber(100 * errors.relative.median),
+                     formatNumber(100 * errors.relative.percentile_95),
+                     formatShare(errors.within_target), formatShare(errors.bound_holds),
+                     formatNumber(errors.bound_over_error.median));
+}
+
+std::string runLines(const char* title, const std::vector<RunInterval>& intervals, double scale) {
+  std::string text = fmt::format("{}\n", title);
+  for (const auto& [from, to, errors] : intervals)
+    text += runLine(std::isfinite(to) ? fmt::format("  {:.3g} to {:.3g}", scale * from, scale * to)
+                                      : fmt::format("  {:.3g} and more", scale * from),
+                    errors);
+  return text;
+}
+
 constexpr const char* place_row = "{:<20}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}{:>10}\n";
 
 }  // namespace
@@ -173,6 +193,25 @@ std::string textOf(const Comparison& comparison) {
               "significant.");
   for (const std::string& limit : comparison.limits) text += "\n" + wrapped(limit);
   return text;
+}
+
+std::string textOf(const RunAccuracy& run) {
+  std::string text = wrapped(fmt::format(
+      "{}: {}, {} of them touch; {} compared with exact solutions of {}{}", run.recording.string(),
+      counted(run.ticks, "tick"), run.touching, run.compared.size(), run.scene,
+      run.unsolved > 0 ? fmt::format(", {} have none", run.unsolved) : ""));
+  text += "\n" + fmt::format(run_row, "", "ticks", "error, %", "95 %", "in target", "bound holds",
+                             "bound / error");
+  text += runLine("all", run.all);
+  text += runLines("time in the run, s", run.times, 1);
+  text += runLines("time in the contact, s", run.in_contact, 1);
+  text += runLines("speed of the tool, cm/s", run.speeds, 100);
+  return text + "\n" +
+         wrapped(fmt::format("Errors: |recorded - exact force| relative to the exact force, or to "
+                             "{:g} N if that is larger. In target: share of errors <= max({:.3g} % "
+                             "of |force|, {:.3g} N).",
+                             relative_error_floor, 100 * run.target.force_error,
+                             run.target.force_floor));
 }
 
 }  // namespace palpate

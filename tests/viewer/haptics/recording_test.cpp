@@ -194,6 +194,7 @@ TEST(Recording, HoldsTheSecondFingerOfARunThatHasOne) {
     EXPECT_EQ(bounds[n], states[n].hold_force.error_bound);
   }
   EXPECT_EQ(readRecording(folder / "run.h5").readings.size(), states.size());
+  EXPECT_EQ(std::ranges::count(readTouches(folder / "run.h5"), true, &RecordedTouch::held), 5);
   someRecorder(20).save(folder / "alone.h5");
   hdf5::Reader alone(folder / "alone.h5");
   alone.findArrays();
@@ -219,6 +220,25 @@ TEST(Recording, MovesASecondFingerThatStaysAtItsPlace) {
   recording.touches[2]->place.z() += 0.01;
   test::expectBadInput([&] { holdsOf(recording, cube.model().surface(), "run.h5"); },
                        {"run.h5", "tick 3", "another body"});
+}
+
+TEST(Recording, ReturnsTheTouchOfEveryTick) {
+  const TemporaryDirectory folder;
+  someRecorder(100).save(folder / "run.h5");
+  const std::vector<RecordedTouch> read = readTouches(folder / "run.h5");
+  const std::vector<HapticState> states = someStates(100);
+  ASSERT_EQ(read.size(), states.size());
+  for (std::size_t n = 0; n < states.size(); ++n) {
+    const Touch& touch = states[n].touch;
+    EXPECT_EQ(read[n].time, states[n].time);
+    EXPECT_TRUE(sameBits(read[n].tool, states[n].tool)) << n;
+    EXPECT_TRUE(sameBits(read[n].force, touch.force)) << n;
+    EXPECT_EQ(read[n].touching, touch.touching);
+    if (!touch.touching) continue;
+    EXPECT_TRUE(sameBits(read[n].anchor, touch.anchor_position)) << n;
+    EXPECT_TRUE(sameBits(read[n].displacement, touch.displacement)) << n;
+    EXPECT_TRUE(sameBits(read[n].error_bound, touch.error_bound)) << n;
+  }
 }
 
 TEST(Recording, RecordsTheSettingsOfTheRun) {

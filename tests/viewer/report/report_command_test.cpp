@@ -359,6 +359,19 @@ TEST_F(ReportCommand, RefusesFilesThatAreNotDatasets) {
   expectBadInput([&] { report(options, output); }, {"sample.h5", "not an HDF5 file"});
 }
 
+TEST_F(ReportCommand, RefusesARunThatIsNone) {
+  std::ofstream(directory / "organ.toml") << "mesh = \"organ.msh\"\n";
+  options.report.datasets.emplace_back(directory / "organ.toml");
+  std::ostringstream output;
+  expectBadInput([&] { report(options, output); }, {"organ.toml"});
+  std::ofstream(directory / "organ.toml", std::ios::app)
+      << "[material]\nlaw = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0\n"
+      << "[fixed]\nbelow = { axis = \"z\", fraction = 0.05 }\n"
+      << "[[active]]\nname = \"top\"\nnode = 1\n"
+      << "[workspace]\nradius = 0.012\nspacing = 0.003\nmax_force = 8.0\n";
+  expectBadInput([&] { text(); }, {"sample.h5", "not a recording"});
+}
+
 TEST_F(ReportCommand, NeverReplacesADatasetByItsPage) {
   options.html = directory / "." / "sample.h5";
   expectBadInput([&] { text(); },

@@ -1253,9 +1253,62 @@ differ in ${report.differences.join(", ")}.</p>`, report.limits.map(note)],
   }],
 });
 
+// ---- Sections of a recorded run.
+
+const tickPoints = (x, y) => drawings.ticks.map((tick) => [x(tick), 100 * tick[y]]);
+
+function runPanel(title, label, x, scale, intervals) {
+  const middle = ({ from, to }) => scale * (from + (isNumber(to) ? to : from)) / 2;
+  const line = (which) => intervals.filter(({ errors }) => errors.count >= 5)
+    .map((one) => [middle(one), 100 * one.errors.relative[which]]);
+  return plot({
+    title, x: linear(label), y: logarithmic("share of the force, %"),
+    series: [lineOnly("error, median", look(1), line("median")),
+      lineOnly("error, 95 %", look(2), line("percentile_95")),
+      marksOnly("error of a tick", look(0), tickPoints(x, 3)),
+      marksOnly("its bound", look(5), tickPoints(x, 4))],
+  });
+}
+
+const intervalRows = (name, scale, intervals) => intervals.map(({ from, to, errors }) => row([
+  `${name} ${brief(scale * from, 3)} ` + (isNumber(to) ? `to ${brief(scale * to, 3)}` : "and more"),
+  errors.count,
+  ...["median", "percentile_95", "maximum"].map((which) => number(100 * errors.relative[which])),
+  share(errors.within_target),
+  share(errors.bound_holds), number(errors.bound_over_error)]));
+
+function runPage() {
+  const { all, times, in_contact: inContact, speeds, target, touching, unsolved } = report;
+  const none = unsolved ? `, and ${unsolved} more have no exact solution` : "";
+  return {
+    lead: [html`<p class="lead">${report.recording}: ${count(report.ticks)} ticks,
+${count(touching)} of them touch. Of these, ${all.count} are compared with exact solutions on the
+path from rest${none}.</p>`, cards("Recorded forces, before the guard", [
+      [number(100 * all.relative.median) + " %", "median error"],
+      [share(all.within_target), `of ticks within max(${share(target.force_error)} of the force,
+${number(target.force_floor)} N)`],
+      [share(all.bound_holds), "of error bounds hold"],
+      [number(all.bound_over_error), "bound / error, median"]])],
+    sections: [{
+      id: "errors", heading: "Error against time and speed",
+      how: `Relative to the exact force, or to ${report.relative_error_floor} N if that is larger.`,
+      content: [figure({
+        layout: "two",
+        panels: [runPanel("Time", "time in the run, s", ([time]) => time, 1, times),
+          runPanel("Speed", "speed of the tool, cm/s", ([, , speed]) => 100 * speed, 100, speeds)],
+        caption: `Errors and bounds of the recorded forces in percent, logarithmic, against (a) the
+time in the run and (b) the speed of the tool.`,
+      }), table(["", "ticks", "error, median, %", "95 %", "largest, %", "in target", "bound holds",
+        "bound / error"], [intervalRows("time, s,", 1, times),
+        intervalRows("time in a contact, s,", 1, inContact),
+        intervalRows("speed, cm/s,", 100, speeds)])],
+    }],
+  };
+}
+
 // ---- The page.
 
-const page = report.compared ? comparisonPage() : reportPage();
+const page = report.compared ? comparisonPage() : report.recording ? runPage() : reportPage();
 document.querySelector("main").innerHTML = html`<h1>${document.title}</h1>${page.lead}
 <nav>${page.sections.map(({ id, heading }) => html`<a href="#${id}">${heading}</a>`)}</nav>
 ${page.sections.map(({ id, heading, how, content }) => html`<h2 id="${id}">${heading}</h2>
