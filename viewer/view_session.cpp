@@ -33,6 +33,12 @@ constexpr std::chrono::seconds notice_time{5};               // of a notice abou
 constexpr auto look_every = std::chrono::milliseconds(500);  // interval for checking files,
                                                              // problems and statistics
 
+DeviceProfile profileNamed(std::string_view word) {
+  const DeviceProfile* const known = deviceNamed(word);
+  PALPATE_ASSERT(known != nullptr, "the device profile must be a known one");
+  return *known;
+}
+
 /// One run of the haptic client with its datasets, device, haptic loop, window and recording. The
 /// thread that constructs the session also draws.
 class ViewSession {
@@ -149,8 +155,8 @@ class ViewSession {
   /// Returns the limits that the options or the scene ask for, and otherwise those of the profile
   /// "touch".
   DeviceProfile wantedProfile() const {
-    if (!options_.profile.empty()) return *deviceNamed(options_.profile);
-    return loaded_->device().value_or(*deviceNamed("touch"));
+    if (!options_.profile.empty()) return profileNamed(options_.profile);
+    return loaded_->device().value_or(profileNamed("touch"));
   }
 
   /// Returns the limits of the device. If the options or the scene name a profile, no limit is

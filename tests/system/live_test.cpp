@@ -31,6 +31,7 @@ class LiveTest : public ::testing::Test {
     writeScene("cube.toml", 1300);
     writeScene("stiff.toml", 2600);
     writeScene("fine.toml", 1300, 0.002);
+    writeScene("wide.toml", 1300, 0.012, 0.06);
     Process build("palpate-scheduler", {"build", "cube.toml", "-o", "cube.h5", "-j", "1"},
                   directory_->path());
     ASSERT_EQ(build.wait(), 0) << build.output();
@@ -152,14 +153,16 @@ TEST_F(LiveTest, AReportComparesARecordedRunWithExactSolutions) {
     return nlohmann::json::parse(done.output);
   };
   const nlohmann::json report = reported("cube.toml");
-  EXPECT_EQ(report.at("touching"), touchesIn("told.h5").time.size());
+  const std::size_t touching = touchesIn("told.h5").time.size();
+  const std::size_t compared = std::min<std::size_t>(touching, 1000);
+  EXPECT_EQ(report.at("touching"), touching);
   EXPECT_EQ(report.at("unsolved"), 0);
-  EXPECT_EQ(report.at("all").at("count"), 1000);
+  EXPECT_EQ(report.at("all").at("count"), compared);
   for (const char* intervals : {"times", "in_contact", "speeds"}) {
-    int count = 0;
+    std::size_t count = 0;
     for (const auto& interval : report.at(intervals))
-      count += interval.at("errors").at("count").get<int>();
-    EXPECT_EQ(count, 1000) << intervals;
+      count += interval.at("errors").at("count").get<std::size_t>();
+    EXPECT_EQ(count, compared) << intervals;
   }
   EXPECT_LT(report.at("all").at("relative").at("median"), 0.02);
   EXPECT_GT(report.at("all").at("within_target"), 0.8);
@@ -178,7 +181,6 @@ TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {
 }
 
 TEST_F(LiveTest, ARecordingMovesASecondFinger) {
-  writeScene("wide.toml", 1300, 0.012, 0.06);
   ASSERT_EQ(press("wide.toml", 0.026, "first.h5"), 0);
   ASSERT_EQ(press("wide.toml", 0.074, "pinch.h5", {"--hold", "first.h5"}), 0);
   hdf5::Reader in(*directory_ / "pinch.h5");
@@ -221,7 +223,8 @@ TEST_F(LiveTest, ARecordingMovesASecondFinger) {
 
 TEST_F(LiveTest, AKeyLeavesASecondFingerAndLetsItGo) {
   const test::VirtualScreen screen;
-  Process run("palpate-viewer", {"view", "cube.toml", "--record", "key.h5"}, directory_->path());
+  // In cube.toml, Enter would press at a corner of the area, whose other triangles are untouchable.
+  Process run("palpate-viewer", {"view", "wide.toml", "--record", "key.h5"}, directory_->path());
   ASSERT_TRUE(test::says(run, "mouse at")) << run.output();
   test::Person person(screen.name(), "Palpate");
   for (const char* key : {"Return", "t", "t", "q"}) {

@@ -157,6 +157,23 @@ DeviceProfile readProfile(const Reader& in) {
           readNotNegative(in, "profile_workspace_radius")};
 }
 
+std::vector<RecordedTouch> readTouches(const Reader& in, std::size_t ticks) {
+  const auto vectors = [&](const char* path) { return in.readList<Eigen::Vector3d>(path, ticks); };
+  const auto tools = vectors("/tool/position"), anchors = vectors("/contact/anchor"),
+             displacements = vectors("/contact/displacement"), forces = vectors("/force/raw");
+  const auto times = in.readList<double>("/time", ticks);
+  const auto touching = in.readList<std::uint8_t>("/contact/touching", ticks);
+  const auto bounds = in.readList<double>("/contact/error_bound", ticks);
+  std::vector<Eigen::Vector3d> holds(ticks, nowhere());
+  if (std::ranges::find(in.arrays(), "/hold/anchor", &hdf5::ArrayInfo::path) != in.arrays().end())
+    holds = vectors("/hold/anchor");
+  std::vector<RecordedTouch> touches(ticks);
+  for (std::size_t n = 0; n < ticks; ++n)
+    touches[n] = {times[n],   tools[n],         touching[n] != 0, !holds[n].hasNaN(),
+                  anchors[n], displacements[n], forces[n],        bounds[n]};
+  return touches;
+}
+
 }  // namespace
 
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
@@ -234,18 +251,14 @@ Recording readRecording(const std::filesystem::path& file) {
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
   const auto times = in.readList<Eigen::Vector3d>("/device/held_times", positions.size());
   const auto forces = in.readList<std::uint32_t>("/device/held_forces", positions.size());
-  const auto touching = in.readList<std::uint8_t>("/contact/touching", positions.size());
-  const auto anchors = in.readList<Eigen::Vector3d>("/contact/anchor", positions.size());
-  const auto pressed = in.readList<Eigen::Vector3d>("/contact/displacement", positions.size());
   recording.readings.reserve(positions.size());
   for (std::size_t tick = 0; tick < positions.size(); ++tick) {
     if (status[tick] > DeviceStatus::away)
       throw in.damaged("/device/status", fmt::format("entry {} is not a known status", tick));
     recording.readings.push_back(
         {positions[tick], buttons[tick], status[tick], heldForces(forces[tick], times[tick])});
-    recording.touches.push_back(
-        touching[tick] == 0 ? std::nullopt : std::optional(Hold{anchors[tick], pressed[tick]}));
   }
+  recording.touches = readTouches(in, positions.size());
   return recording;
 }
 
@@ -259,42 +272,21 @@ void checkReplay(const Recording& recording, double period, const std::string& s
 std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const TouchSurface& surface,
                                          const std::string& source) {
   constexpr double rounding = 1e-9;  // m
-  std::vector<std::optional<Hold>> holds = recording.touches;
-  for (std::size_t tick = 0; tick < holds.size(); ++tick) {
-    if (!holds[tick]) continue;
-    Hold& hold = *holds[tick];
-    if (!(surface.tree().nearest(hold.place).distance <= rounding) ||
-        !hold.displacement.allFinite())
-      throw badInput("{}: tick {} touches another body; record the second finger on this mesh",
-                     source, tick + 1);
-    if (tick == 0 || !holds[tick - 1]) continue;
-    hold.displacement += hold.place - holds[tick - 1]->place;
-    hold.place = holds[tick - 1]->place;
+  std::vector<std::optional<Hold>> holds;
+  for (const RecordedTouch& touch : recording.touches) {
+    std::optional<Hold> hold;
+    if (touch.touching) {
+      if (!(surface.tree().nearest(touch.anchor).distance <= rounding) ||
+          !touch.displacement.allFinite())
+        throw badInput("{}: tick {} touches another body; record the second finger on this mesh",
+                       source, holds.size() + 1);
+      const bool sticks = !holds.empty() && holds.back();
+      const Eigen::Vector3d place = sticks ? holds.back()->place : touch.anchor;
+      hold = {place, touch.displacement + (touch.anchor - place)};
+    }
+    holds.push_back(hold);
   }
   return holds;
-}
-
-std::vector<RecordedTouch> readTouches(const std::filesystem::path& file) {
-  Reader in(file, recording_kind);
-  checkFormat(in, file);
-  in.findArrays();
-  const auto times = in.readList<double>("/time");
-  const auto vectors = [&](const char* path) {
-    return in.readList<Eigen::Vector3d>(path, times.size());
-  };
-  const auto tools = vectors("/tool/position"), anchors = vectors("/contact/anchor"),
-             displacements = vectors("/contact/displacement"), forces = vectors("/force/raw");
-  const auto touching = in.readList<std::uint8_t>("/contact/touching", times.size());
-  const auto bounds = in.readList<double>("/contact/error_bound", times.size());
-  std::vector<Eigen::Vector3d> holds;
-  if (std::ranges::find(in.arrays(), "/hold/anchor", &hdf5::ArrayInfo::path) != in.arrays().end())
-    holds = vectors("/hold/anchor");
-  std::vector<RecordedTouch> touches(times.size());
-  for (std::size_t n = 0; n < times.size(); ++n)
-    touches[n] = {
-        times[n],   tools[n],         touching[n] != 0, !holds.empty() && !holds[n].hasNaN(),
-        anchors[n], displacements[n], forces[n],        bounds[n]};
-  return touches;
 }
 
 }  // namespace palpate

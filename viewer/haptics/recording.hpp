@@ -91,6 +91,18 @@ class Recorder {
   bool complete_ = true;
 };
 
+/// The touch in a tick of a recording, in the frame of the scene. Numbers may be NaN.
+struct RecordedTouch {
+  double time = 0;                                   ///< s
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();    ///< m, position
+  bool touching = false;                             ///< if not, the rest means nothing
+  bool held = false;                                 ///< whether a second finger holds the body
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< m, at rest
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m, of the anchor
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, before the guard
+  double error_bound = 0;                                  ///< N; NaN if the method gives none
+};
+
 /// Readings of a recorded device, one per tick, for replay. With the datasets, methods and options
 /// of the run they give bitwise identical forces, if no tick is missing (Recorder::complete()) and
 /// the loop never hung (Guarded::late).
@@ -99,8 +111,7 @@ struct Recording {
   bool scene_frame = false;             ///< positions are in the scene's frame, not the device's
   DeviceProfile profile;                ///< limits of the device; named "replay" if unknown
   std::vector<DeviceReading> readings;  ///< positions may be any number, also NaN
-  /// Where the tool touched the body in each tick; numbers may be NaN.
-  std::vector<std::optional<Hold>> touches;
+  std::vector<RecordedTouch> touches;   ///< one per tick
 };
 
 /// Reads a recording. Throws Error (bad input) if `file` is missing or not a recording, and Error
@@ -117,20 +128,5 @@ void checkReplay(const Recording& recording, double period, const std::string& s
 /// touch is not on `surface`.
 std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const TouchSurface& surface,
                                          const std::string& source);
-
-/// The touch in a tick of a recording, in the frame of the scene.
-struct RecordedTouch {
-  double time = 0;                                   ///< s
-  Eigen::Vector3d tool = Eigen::Vector3d::Zero();    ///< m, position
-  bool touching = false;                             ///< if not, the rest means nothing
-  bool held = false;                                 ///< whether a second finger holds the body
-  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< m, at rest
-  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m, of the anchor
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N, before the guard
-  double error_bound = 0;                                  ///< N; NaN if the method gives none
-};
-
-/// Reads the touches of a recording, one per tick. Throws the errors of readRecording().
-std::vector<RecordedTouch> readTouches(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -57,8 +57,11 @@ void report(const ReportCommandOptions& options, std::ostream& output) {
     refuseUnwritable(options.html, "--html");
   }
   const std::vector<std::filesystem::path>& files = options.report.datasets;
-  if (files.size() == 2 && files[1].extension() == ".toml")
+  if (files.size() == 2 && files[1].extension() == ".toml") {
+    if (!options.report.methods.empty())
+      throw badInput("--methods: omit it, because a recorded run has the method of each tick");
     return write(options, measureRun(files[0], files[1]), output);
+  }
   std::vector<Dataset> open(options.report.datasets.begin(), options.report.datasets.end());
   std::ranges::for_each(open, warnIfPartial);
   if (open.size() == 2 && !sceneDifferences(open[0], open[1]).empty())

@@ -260,9 +260,8 @@ DrawingJson drawingsOf(const RunAccuracy& run) {
   for (const ComparedTick& tick : run.compared) {
     const double force = std::max(tick.force.exact.norm(), relative_error_floor);
     const double error = (tick.force.interpolated - tick.force.exact).norm();
-    ticks.push_back(numbers(std::array{tick.time, tick.in_contact, tick.speed, error / force,
-                                       tick.force.error_bound / force},
-                            4));
+    ticks.push_back(numbers(
+        std::array{tick.time, tick.speed, error / force, tick.force.error_bound / force}, 4));
   }
   return {{"version", version()}, {"ticks", ticks}};
 }

@@ -1,10 +1,14 @@
 #include "viewer/report/run_accuracy.hpp"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <sstream>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
 #include "common/base/index.hpp"
@@ -98,7 +102,7 @@ std::vector<RunInterval> measureIntervals(const RunAccuracy& run, std::span<cons
 
 RunAccuracy measureRun(const std::filesystem::path& recording, const std::filesystem::path& scene) {
   const Scene read = readScene(scene);
-  const std::vector<RecordedTouch> touches = readTouches(recording);
+  const std::vector<RecordedTouch> touches = readRecording(recording).touches;
   RunAccuracy run;
   run.recording = recording;
   run.scene = read.name;

@@ -194,7 +194,8 @@ TEST(Recording, HoldsTheSecondFingerOfARunThatHasOne) {
     EXPECT_EQ(bounds[n], states[n].hold_force.error_bound);
   }
   EXPECT_EQ(readRecording(folder / "run.h5").readings.size(), states.size());
-  EXPECT_EQ(std::ranges::count(readTouches(folder / "run.h5"), true, &RecordedTouch::held), 5);
+  EXPECT_EQ(
+      std::ranges::count(readRecording(folder / "run.h5").touches, true, &RecordedTouch::held), 5);
   someRecorder(20).save(folder / "alone.h5");
   hdf5::Reader alone(folder / "alone.h5");
   alone.findArrays();
@@ -208,8 +209,14 @@ TEST(Recording, MovesASecondFingerThatStaysAtItsPlace) {
   const test::TouchedCube cube;
   const Eigen::Vector3d place(0.05, 0.05, 0.1), slid(0.055, 0.05, 0.1), deep(0, 0, -0.003);
   Recording recording;
-  recording.touches = {std::nullopt, Hold{place, deep}, Hold{slid, deep}, std::nullopt,
-                       Hold{slid, deep}};
+  const auto touchAt = [&](const Eigen::Vector3d& anchor) {
+    RecordedTouch touch;
+    touch.touching = true;
+    touch.anchor = anchor;
+    touch.displacement = deep;
+    return touch;
+  };
+  recording.touches = {{}, touchAt(place), touchAt(slid), {}, touchAt(slid)};
   const auto holds = holdsOf(recording, cube.model().surface(), "run.h5");
   ASSERT_EQ(holds.size(), 5u);
   EXPECT_FALSE(holds[0] || holds[3]);
@@ -217,7 +224,7 @@ TEST(Recording, MovesASecondFingerThatStaysAtItsPlace) {
   EXPECT_EQ(holds[2].value().place, place) << "it sticks";
   EXPECT_LT((holds[2]->place + holds[2]->displacement - slid - deep).norm(), 1e-15);
   EXPECT_EQ(holds[4].value().place, slid) << "a new touch";
-  recording.touches[2]->place.z() += 0.01;
+  recording.touches[2].anchor.z() += 0.01;
   test::expectBadInput([&] { holdsOf(recording, cube.model().surface(), "run.h5"); },
                        {"run.h5", "tick 3", "another body"});
 }
@@ -225,7 +232,7 @@ TEST(Recording, MovesASecondFingerThatStaysAtItsPlace) {
 TEST(Recording, ReturnsTheTouchOfEveryTick) {
   const TemporaryDirectory folder;
   someRecorder(100).save(folder / "run.h5");
-  const std::vector<RecordedTouch> read = readTouches(folder / "run.h5");
+  const std::vector<RecordedTouch> read = readRecording(folder / "run.h5").touches;
   const std::vector<HapticState> states = someStates(100);
   ASSERT_EQ(read.size(), states.size());
   for (std::size_t n = 0; n < states.size(); ++n) {

@@ -370,6 +370,8 @@ TEST_F(ReportCommand, RefusesARunThatIsNone) {
       << "[[active]]\nname = \"top\"\nnode = 1\n"
       << "[workspace]\nradius = 0.012\nspacing = 0.003\nmax_force = 8.0\n";
   expectBadInput([&] { text(); }, {"sample.h5", "not a recording"});
+  options.report.methods = {"potential"};
+  expectBadInput([&] { text(); }, {"--methods"});
 }
 
 TEST_F(ReportCommand, NeverReplacesADatasetByItsPage) {

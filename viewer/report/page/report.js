@@ -1255,7 +1255,9 @@ differ in ${report.differences.join(", ")}.</p>`, report.limits.map(note)],
 
 // ---- Sections of a recorded run.
 
-const tickPoints = (x, y) => drawings.ticks.map((tick) => [x(tick), 100 * tick[y]]);
+/// Returns the ticks as points: number x of [time, speed, error, bound] against number y.
+const tickPoints = (x, y, scale) =>
+  drawings.ticks.map((tick) => [scale * tick[x], 100 * tick[y]]);
 
 function runPanel(title, label, x, scale, intervals) {
   const middle = ({ from, to }) => scale * (from + (isNumber(to) ? to : from)) / 2;
@@ -1265,8 +1267,8 @@ function runPanel(title, label, x, scale, intervals) {
     title, x: linear(label), y: logarithmic("share of the force, %"),
     series: [lineOnly("error, median", look(1), line("median")),
       lineOnly("error, 95 %", look(2), line("percentile_95")),
-      marksOnly("error of a tick", look(0), tickPoints(x, 3)),
-      marksOnly("its bound", look(5), tickPoints(x, 4))],
+      marksOnly("error of a tick", look(0), tickPoints(x, 2, scale)),
+      marksOnly("its bound", look(5), tickPoints(x, 3, scale))],
   });
 }
 
@@ -1274,8 +1276,7 @@ const intervalRows = (name, scale, intervals) => intervals.map(({ from, to, erro
   `${name} ${brief(scale * from, 3)} ` + (isNumber(to) ? `to ${brief(scale * to, 3)}` : "and more"),
   errors.count,
   ...["median", "percentile_95", "maximum"].map((which) => number(100 * errors.relative[which])),
-  share(errors.within_target),
-  share(errors.bound_holds), number(errors.bound_over_error)]));
+  share(errors.within_target), share(errors.bound_holds), number(errors.bound_over_error)]));
 
 function runPage() {
   const { all, times, in_contact: inContact, speeds, target, touching, unsolved } = report;
@@ -1294,8 +1295,8 @@ ${number(target.force_floor)} N)`],
       how: `Relative to the exact force, or to ${report.relative_error_floor} N if that is larger.`,
       content: [figure({
         layout: "two",
-        panels: [runPanel("Time", "time in the run, s", ([time]) => time, 1, times),
-          runPanel("Speed", "speed of the tool, cm/s", ([, , speed]) => 100 * speed, 100, speeds)],
+        panels: [runPanel("Time", "time in the run, s", 0, 1, times),
+          runPanel("Speed", "speed of the tool, cm/s", 1, 100, speeds)],
         caption: `Errors and bounds of the recorded forces in percent, logarithmic, against (a) the
 time in the run and (b) the speed of the tool.`,
       }), table(["", "ticks", "error, median, %", "95 %", "largest, %", "in target", "bound holds",
