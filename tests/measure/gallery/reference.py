@@ -35,6 +35,12 @@ FIBRES = (f"k1*{STRETCH}*exp(k2*sqr({STRETCH}))*pow(Det(F),-2/3)"
 CONSTRAINT = " - p*log(Det(F))"
 
 
+def supported(fixed):
+    """Returns a test whether places (3 x n) are in one of the half-spaces of the table [fixed]."""
+    planes = [("xyz".index(plane["axis"]), plane["at"], side) for side, plane in fixed.items()]
+    return lambda places: np.any([places[axis] < at if side == "below" else places[axis] > at for axis, at, side in planes], axis=0)
+
+
 class Scene:
     """Points, tetrahedra, parts, fibres and fixed nodes of a scene file with a Gmsh 2.2 mesh."""
 
@@ -68,6 +74,8 @@ class Scene:
 
     def held(self, names, elements, row):
         fixed = self.text["fixed"]
+        if {"below", "above"} & set(fixed):
+            return np.flatnonzero(supported(fixed)(self.points.T))
         if "sphere" in fixed:
             return np.flatnonzero(np.linalg.norm(self.points - fixed["sphere"]["center"], axis=1) <= fixed["sphere"]["radius"])
         return np.unique([row[n] for e in elements if names.get(({2: 2, 4: 3}.get(e[1], 0), e[3])) == fixed["group"]

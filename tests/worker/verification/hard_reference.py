@@ -93,11 +93,12 @@ class Push:
         self.hold(near, radius, soft)
         return self.move(way, steps)
 
-    def hold(self, near, radius, soft=False):
-        """Fixes the bottom. soft: the tool prescribes a weighted mean; otherwise all nodes within the radius."""
+    def hold(self, near, radius, soft=False, supported=lambda places: places[2] < 1e-9):
+        """Fixes the nodes at supported places (3 x n). soft: the tool prescribes a weighted mean; otherwise all nodes within the
+        radius."""
         places = self.displacement.basic_dof_nodes()
-        fixed = np.where(places[2] < 1e-9)[0]
-        held = np.where(np.linalg.norm(places.T - near, axis=1) <= radius * (1 + 1e-12))[0]
+        fixed = np.where(supported(places))[0]
+        held = np.setdiff1d(np.where(np.linalg.norm(places.T - near, axis=1) <= radius * (1 + 1e-12))[0], fixed)
 
         def constrain(name, rows):
             """rows: of each constraint, the degrees of freedom and their weights."""
@@ -109,7 +110,7 @@ class Push:
             return self.model.add_constraint_with_multipliers("u", name, matrix, np.zeros(len(rows)))
 
         constrain("of_plane", [[(dof, 1)] for dof in fixed])
-        self.axes = held % 3
+        self.held, self.axes = held, held % 3
         rows = [[(dof, 1)] for dof in held]
         if soft:
             weights, self.axes = self.bump_weights(np.array(near), radius), np.arange(3)
@@ -123,8 +124,11 @@ class Push:
             self.model.set_private_rhs(self.tool, np.array(way)[self.axes] * step / steps)
             iterations += self.model.solve("max_res", 1e-11, "max_iter", 300, "lsolver", "mumps",
                                            "lsearch", "simplest", "alpha min", 0.01)[0]
-        force = self.model.variable("of_tool")
-        return [float(force[self.axes == axis].sum()) for axis in range(3)], iterations
+        return self.force(), iterations
+
+    def force(self):
+        multipliers = self.model.variable("of_tool")
+        return [float(multipliers[self.axes == axis].sum()) for axis in range(3)]
 
 
 MIDDLE = (0.02, 0.02, 0.04)
@@ -216,8 +220,10 @@ CASES |= {"pressed in by 12 of 40 mm, nu = 0.49": (press, (0.04,) * 3, (4, 4, 4)
 
 getfem.util_trace_level(0)
 getfem.util_warning_level(0)
-for name, (run, *arguments) in CASES.items():
-    if len(sys.argv) > 1 and not any(part in name for part in sys.argv[1:]):
-        continue
-    force, iterations = run(*arguments)
-    print(f"{name}: {np.linalg.norm(force):.6g} N, {iterations} iterations", flush=True)
+
+if __name__ == "__main__":
+    for name, (run, *arguments) in CASES.items():
+        if len(sys.argv) > 1 and not any(part in name for part in sys.argv[1:]):
+            continue
+        force, iterations = run(*arguments)
+        print(f"{name}: {np.linalg.norm(force):.6g} N, {iterations} iterations", flush=True)

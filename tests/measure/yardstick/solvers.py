@@ -1,0 +1,104 @@
+"""Both solvers of the reference: GetFEM, with the body described again in its language for weak forms, and Palpate."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import getfem
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(ROOT / "tests" / "worker" / "verification"), str(ROOT / "tests" / "measure" / "gallery")]
+PALPATE = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve() / "palpate"
+
+from hard_reference import ISOCHORIC, Push, fibres_along
+from reference import Scene, supported
+
+# Virtual work of W(j1, j2): GetFEM derives tangents of stresses four times as fast as those of energies.
+J1 = f"({ISOCHORIC}-3)"
+DJ1 = "(2*pow(Det(F),-2/3)*(F-Norm_sqr(F)/3*Inv(F)'))"
+DJ2 = "(pow(Det(F),-4/3)*(2*(Norm_sqr(F)*F-F*(F'*F))-2/3*(sqr(Norm_sqr(F))-Norm_sqr(F'*F))*Inv(F)'))"
+STRESSES = {"neo-hookean": f"mu/2*{DJ1}", "holzapfel-gasser-ogden": f"mu/2*{DJ1}", "mooney-rivlin": f"C10*{DJ1}+C01*{DJ2}",
+            "yeoh": f"(c10+2*c20*{J1}+3*c30*sqr({J1}))*{DJ1}",
+            "veronda-westmann": f"c1*c2*exp(c2*{J1})*{DJ1}-c1*c2/2*{DJ2}"}
+RESIDUAL = 1e-7  # N
+
+
+class ByGetfem(Push):
+    """A body with a rigid patch: Taylor-Hood elements, one pressure for each material. rest: fields of an earlier patch at
+    rest, if there is gravity."""
+
+    def __init__(self, scene, place, radius, rest=None):
+        getfem.util_trace_level(0)
+        parts = sorted(set(scene.part))
+        super().__init__(scene.points, scene.tetrahedra, stiff=lambda _: np.array([parts.index(part) for part in scene.part]))
+        for number, part in enumerate(parts):
+            self.add(number, scene.material(part))
+        self.heavy = "gravity" in scene.text
+        if self.heavy:
+            self.pull = scene.text["material"]["density"] * np.array(scene.text["gravity"]["acceleration"], float)
+            self.model.add_initialized_data("pull", self.pull)
+            self.model.add_linear_term(self.integration, "-pull.Test_u")
+        self.hold(place, radius, supported=supported(scene.text["fixed"]))
+        self.names = ["u", "of_plane", *(f"pressure{number}" for number in range(len(parts)))]
+        self.rest = rest or self.sagged()
+        self.at_rest = self.rest["u"][self.held]
+
+    def add(self, number, material):
+        law = material["law"]
+        numbers = {key: value for key, value in material.items() if key not in ("law", "density", "fiber", "group")}
+        if law == "mooney-rivlin":
+            numbers = {key.upper(): value for key, value in numbers.items()}
+        residuals = []
+        if law == "holzapfel-gasser-ogden":
+            residuals.append(fibres_along("a"))
+            numbers |= {"a": material["fiber"], "kappa": 0.0}
+        self.material(number + 1, f"({STRESSES[law]}):Grad_Test_u", f"pressure{number}", *residuals, **numbers)
+
+    def state(self, *more):
+        return {name: self.model.variable(name).copy() for name in (*self.names, *more)}
+
+    def newton(self):
+        return bool(self.model.solve("max_res", RESIDUAL, "max_iter", 25, "lsolver", "mumps", "lsearch", "simplest",
+                                     "alpha max ratio", 1e4, "alpha min", 0.01)[1])
+
+    def sagged(self, steps=5):
+        """The fields at rest; under gravity by load steps, without the tool."""
+        if self.heavy:
+            self.model.disable_variable("of_tool")
+            self.model.disable_bricks(self.tool)
+            for step in range(1, steps + 1):
+                self.model.set_variable("pull", self.pull * step / steps)
+                if not self.newton():
+                    raise RuntimeError("GetFEM finds no rest state")
+            self.model.enable_variable("of_tool")
+            self.model.enable_bricks(self.tool)
+        return self.state()
+
+    def path(self, displacements):
+        """Forces (n x 3, N) on the patch at equidistant displacements on a ray from rest, each extrapolated from those before;
+        None if Newton does not converge."""
+        states = [self.rest | {"of_tool": np.zeros(len(self.held))}]
+        forces = []
+        for displacement in displacements:
+            last = states[-4:]
+            weights = {1: [1], 2: [-1, 2], 3: [1, -3, 3], 4: [-1, 4, -6, 4]}[len(last)]
+            for name in last[0]:
+                self.model.set_variable(name, sum(weight * state[name] for weight, state in zip(weights, last)))
+            self.model.set_private_rhs(self.tool, self.at_rest + np.asarray(displacement)[self.axes])
+            if not self.newton():
+                return None
+            states.append(self.state("of_tool"))
+            forces.append(self.force())
+        return np.array(forces)
+
+
+def by_palpate(scene_file, place, displacements):
+    """Forces (n x 3, N) of `palpate solve`; rows of displacements without a solution are NaN."""
+    given = "".join("{:.9g} {:.9g} {:.9g}\n".format(*displacement) for displacement in displacements)
+    run = subprocess.run([PALPATE, "solve", scene_file, "--active", place, "--displacement", "-", "--json", "-q"], input=given,
+                         capture_output=True, text=True, check=False)
+    if run.returncode not in (0, 3):
+        raise RuntimeError(run.stderr)
+    return [json.loads(line) for line in run.stdout.splitlines()]
