@@ -22,7 +22,8 @@ from layers import surface_triangles, upright, vertex_normals, volumes, write_me
 
 BODIES = HERE / "bodies"
 PLACES = 40
-TOP = 1e-6  # m: nodes nearer than this to the plane of a support are held
+LARGEST = 10  # N: the force on a tool
+TOP = 1e-6   # m: nodes nearer than this to the plane of a support are held
 
 
 @dataclasses.dataclass
@@ -79,10 +80,10 @@ AT_ZERO = 'below = { axis = "x", at = 1e-6 }'
 SHAPES = {
     "dome": Shape((4, 4, 3), dome, AT_ZERO, '[material]\nlaw = "neo-hookean"\nmu = 1667.0\ndensity = 950.0\n\n'
                   "[gravity]\nacceleration = [0, 0, -9.81]\n", 0.0145, 0.010),
-    "flap": Shape((6, 5, 1), flap, AT_ZERO, '[material]\nlaw = "yeoh"\nc10 = 20000.0\nc20 = 5000.0\nc30 = 2000.0\n', 0.0105, 0.010),
+    "flap": Shape((6, 5, 1), flap, AT_ZERO, '[material]\nlaw = "yeoh"\nc10 = 20000.0\nc20 = 5000.0\nc30 = 2000.0\n', 0.0108, 0.010),
     "layers": Shape((4, 4, 3), layers, 'below = { axis = "z", at = 1e-6 }',
                     '[[region]]\ngroup = "fat"\nlaw = "mooney-rivlin"\nc10 = 700.0\nc01 = 400.0\n\n'
-                    '[[region]]\ngroup = "skin"\nlaw = "neo-hookean"\nmu = 20000.0\n', 0.0135, 0.006,
+                    '[[region]]\ngroup = "skin"\nlaw = "neo-hookean"\nmu = 20000.0\n', 0.0137, 0.006,
                     lambda middles: (middles[:, 2] > 2 / 3).astype(int), ("fat", "skin")),
     "tube": Shape((5, 10, 1), tube, AT_ZERO, '[material]\nlaw = "veronda-westmann"\nc1 = 1500.0\nc2 = 2.0\n', 0.0115, 0.006),
     "muscle": Shape((6, 3, 3), muscle, AT_ZERO + '\nabove = { axis = "x", at = 0.079999 }',
@@ -106,7 +107,7 @@ pressure = "P1"
 [workspace]
 radius = {reach}
 spacing = {spacing}
-max_force = 100
+max_force = {largest}
 {places}"""
 PLACE = """
 [[active]]
@@ -190,7 +191,7 @@ def write(name, shape):
     places = spread(points, allowed, PLACES)
     tables = "".join(PLACE.format(name=f"p{i:02d}", node=node, radius=shape.radius) for i, node in enumerate(places))
     (BODIES / f"{name}.toml").write_text(SCENE.format(name=name, material=shape.material, held=shape.held, reach=shape.reach,
-                                                     spacing=shape.reach / 2, places=tables), encoding="utf-8")
+                                                     spacing=shape.reach / 2, largest=LARGEST, places=tables), encoding="utf-8")
     patches = [(f"p{i:02d}", points[node], shape.radius) for i, node in enumerate(places)]
     write_vtu(BODIES / f"{name}.vtu", points, part, tetrahedra, nodes, held, patches)
     print(f"{name}: {len(points)} nodes, {len(tetrahedra)} tetrahedra of {1e9 * size.min():.0f} to {1e9 * size.max():.0f} mm^3, "
