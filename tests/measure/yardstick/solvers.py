@@ -59,9 +59,27 @@ class ByGetfem(Push):
     def state(self, *more):
         return {name: self.model.variable(name).copy() for name in (*self.names, *more)}
 
-    def newton(self):
-        return bool(self.model.solve("max_res", RESIDUAL, "max_iter", 25, "lsolver", "mumps", "lsearch", "simplest",
-                                     "alpha max ratio", 1e4, "alpha min", 0.01)[1])
+    def newton(self, iterations=20, halvings=6):
+        """GetFEM's own loop does not end once an energy overflows. Steps are halved while the residual explodes."""
+        model = self.model
+        model.assembly("build_all")
+        residual = np.abs(model.rhs()).max()
+        for _ in range(iterations):
+            if residual < RESIDUAL:
+                return True
+            at = model.from_variables()
+            step = np.ravel(getfem.linsolve_mumps(model.tangent_matrix(), model.rhs()))
+            before = residual
+            for halving in range(halvings + 1):
+                model.to_variables(at + step / 2**halving)
+                model.assembly("build_rhs")
+                residual = np.abs(model.rhs()).max()
+                if residual < 1e3 * before:  # false for NaN
+                    break
+            else:
+                return False
+            model.assembly("build_all")
+        return bool(residual < RESIDUAL)
 
     def sagged(self, steps=5):
         """The fields at rest; under gravity by load steps, without the tool."""

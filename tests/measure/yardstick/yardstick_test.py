@@ -6,6 +6,7 @@ import importlib.machinery
 import importlib.util
 import pathlib
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -135,7 +136,10 @@ class References(unittest.TestCase):
                 place = scene.text["active"][7 * number]
                 rows = [row for row in touches(body) if row["place"] == place["name"]][:5]  # a ray
                 displacements, forces = ([[float(row[key]) for key in keys] for row in rows] for keys in (("dx", "dy", "dz"), ("fx", "fy", "fz")))
-                getfem = solvers.ByGetfem(scene, scene.points[place["node"]], place["radius"]).path(displacements)
+                body_of_getfem = solvers.ByGetfem(scene, scene.points[place["node"]], place["radius"])
+                listed = re.search(rf'Name="patch_{place["name"]}" NumberOfTuples="(\d+)"', (HERE / "bodies" / f"{body}.vtu").read_text())
+                self.assertEqual(3 * int(listed[1]), len(body_of_getfem.held))
+                getfem = body_of_getfem.path(displacements)
                 palpate = [answer["force"] for answer in solvers.by_palpate(HERE / "bodies" / f"{body}.toml", place["name"], displacements)]
                 for found in getfem, np.array(palpate):
                     self.assertLess((np.linalg.norm(found - forces, axis=1) / np.linalg.norm(forces, axis=1)).max(), 1e-5)
