@@ -27,7 +27,7 @@ PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "d
 ELSEWHERE = {
     r"--device haply": "needs the device",
     r"plugin:\./touch\.so": "is the reader's own: that of docs/devices.md is compiled here",
-    r"palpate verify": "takes minutes: tests/worker/verification",
+    r"palpate verify": "takes minutes: tests/verification",
     r"palpate fleet (slurm|ssh)": "needs other machines: tests/scheduler/fleet",
     r"side\.(toml|h5)|--at 0\.0315 ": "is of the kidney, which the tutorial makes: tutorial_test.py",
     r"palpate share": "needs the modules for browsers: tests/viewer/share",

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "common/mesh/mesh.hpp"
-#include "worker/verification/meshes.hpp"
+#include "tests/verification/meshes.hpp"
 
 /// The small bodies that tests and benchmarks share. All are complete (finishMesh), positively
 /// oriented, in metres, and the same on every machine. Node groups "xmin", "xmax", "ymin", "ymax",

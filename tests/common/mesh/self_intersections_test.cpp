@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/reference_data.hpp"
-#include "worker/verification/meshes.hpp"
+#include "tests/verification/meshes.hpp"
 
 namespace palpate {
 namespace {

@@ -9,7 +9,7 @@ import getfem
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "tests" / "worker" / "verification"), str(ROOT / "tests" / "measure" / "gallery")]
+sys.path[:0] = [str(ROOT / "tests" / "verification"), str(ROOT / "tests" / "measure" / "gallery")]
 PALPATE = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve() / "palpate"
 
 from hard_reference import ISOCHORIC, Push

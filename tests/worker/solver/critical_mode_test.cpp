@@ -6,7 +6,7 @@
 #include "tests/support/meshes.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/newton.hpp"
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate {
 namespace {

@@ -5,7 +5,7 @@
 #include "tests/support/body_models.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/tangent_solver.hpp"
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate {
 namespace {

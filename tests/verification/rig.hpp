@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "worker/solver/newton.hpp"
-#include "worker/verification/case.hpp"
-#include "worker/verification/meshes.hpp"
+#include "tests/verification/case.hpp"
+#include "tests/verification/meshes.hpp"
 
 /// Functions that verification problems share. They make bodies with materials, supports and loads,
 /// solve, and measure.

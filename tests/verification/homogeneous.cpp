@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/verification/quadrature.hpp"
+#include "tests/verification/quadrature.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

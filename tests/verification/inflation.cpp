@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

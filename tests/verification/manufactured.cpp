@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "worker/verification/quadrature.hpp"
-#include "worker/verification/rig.hpp"
+#include "tests/verification/quadrature.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "worker/solver/transition.hpp"
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

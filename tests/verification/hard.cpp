@@ -1,6 +1,6 @@
 // Hard cases: a tool is pushed into a body from rest, with the transitions of `palpate solve`. The
 // reference forces were computed with GetFEM on the same meshes, by
-// tests/worker/verification/hard_reference.py, except the forces of the bone with linear elements.
+// tests/verification/hard_reference.py, except the forces of the bone with linear elements.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/path.hpp"
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

@@ -13,9 +13,9 @@
 #include "common/base/whole_file.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/long_tests.hpp"
-#include "worker/verification/case.hpp"
-#include "worker/verification/meshes.hpp"
-#include "worker/verification/quadrature.hpp"
+#include "tests/verification/case.hpp"
+#include "tests/verification/meshes.hpp"
+#include "tests/verification/quadrature.hpp"
 
 namespace palpate::verification {
 

@@ -1,4 +1,4 @@
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 #include <algorithm>
 #include <cmath>

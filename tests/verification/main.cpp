@@ -5,7 +5,7 @@
 
 #include "common/base/program.hpp"
 #include "worker/elements/blas_kernels.hpp"
-#include "worker/verification/case.hpp"
+#include "tests/verification/case.hpp"
 
 namespace palpate {
 namespace {

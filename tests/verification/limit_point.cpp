@@ -3,7 +3,7 @@
 // equilibrium.
 #include <cmath>
 
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

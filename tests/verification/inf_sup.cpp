@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include "worker/elements/kernel_family.hpp"
-#include "worker/verification/quadrature.hpp"
-#include "worker/verification/rig.hpp"
+#include "tests/verification/quadrature.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

@@ -5,7 +5,7 @@
 
 /// Verification problems: bodies with a closed-form or published solution, solved with the same
 /// System and Newton as all other problems. `palpate verify` prints the results, and
-/// tests/worker/verification/verify_test.cpp checks their tolerances. docs/verification.md
+/// tests/worker/verify_test.cpp checks their tolerances. docs/verification.md
 /// describes each problem and the source of its reference.
 namespace palpate::verification {
 

@@ -1,4 +1,4 @@
-#include "worker/verification/meshes.hpp"
+#include "tests/verification/meshes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // load and a follower load are the same.
 #include <fmt/format.h>
 
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

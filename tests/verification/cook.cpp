@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/verification/rig.hpp"
+#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Computes the pushes of worker/verification/hard.cpp with GetFEM, an independent library (python3-getfem).
+"""Computes the pushes of tests/verification/hard.cpp with GetFEM, an independent library (python3-getfem).
 
-    tests/worker/verification/hard_reference.py [NAME...]
+    tests/verification/hard_reference.py [NAME...]
 
 Meshes, laws, constraint and tool are implemented independently. Prints the force in newtons of each case, and the Newton
 iterations. A skin with n = 16 takes 15 minutes, and 10 GB of memory.

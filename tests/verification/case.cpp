@@ -1,4 +1,4 @@
-#include "worker/verification/case.hpp"
+#include "tests/verification/case.hpp"
 
 #include <cmath>
 #include <exception>
