@@ -49,7 +49,9 @@ std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTab
 ///
 /// The interpolant reproduces energies up to the fourth degree if solved points surround the leaf,
 /// and up to the third degree if enough solved points are near. The error of the force is
-/// proportional to the fourth power of the spacing. field_error.hpp gives the error bound.
+/// proportional to the fourth power of the spacing. field_error.hpp gives the error bound. In
+/// leaves with a failed corner it is larger by ten times the force and the trilinear weight of
+/// these corners: the force may grow towards them faster than any solved point shows.
 class PotentialField : public CellField {
  public:
   /// Error if no point of the space is solved.
@@ -65,6 +67,7 @@ class PotentialField : public CellField {
 
   std::vector<EnergyJet> jets_;  ///< per slot
   FieldError error_;
+  std::vector<double> failed_;  ///< per slot: weight of corners without a usable solution
 };
 
 }  // namespace palpate

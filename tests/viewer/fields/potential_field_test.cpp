@@ -45,6 +45,46 @@ TEST(PotentialField, AnswersInTheWholeBallWithABoundThatHolds) {
   EXPECT_GE(held, 990);
 }
 
+/// Soft tissue that stiffens exponentially where it is pushed along x: at a quarter of the spacing
+/// the force is twice that of the stiffness at rest, at the next point 160,000 times.
+class LockingEnergy : public test::AnalyticEnergy {
+ public:
+  double energy(const Vector3d& p) const override {
+    return stiffness / 2 * (p.squaredNorm() - p.x() * p.x() + (growth(p) - 1) / rate(p));
+  }
+  Vector3d gradient(const Vector3d& p) const override {
+    return stiffness * Vector3d(p.x() * growth(p), p.y(), p.z());
+  }
+  Eigen::Matrix3d hessian(const Vector3d& p) const override {
+    return stiffness * Vector3d(growth(p) * (1 + 2 * rate(p) * p.x() * p.x()), 1, 1).asDiagonal();
+  }
+
+ private:
+  static constexpr double stiffness = 50;
+  static double rate(const Vector3d& p) { return p.x() > 0 ? 3e4 : 1e-3; }
+  static double growth(const Vector3d& p) { return std::exp(rate(p) * p.x() * p.x()); }
+};
+
+TEST(PotentialField, IsUncertainTowardsFailedPointsHoweverFastTheForceGrows) {
+  const LockingEnergy energy;
+  SpaceTable space = test::solvedSpace(Lattice(radius, spacing), energy);
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n)
+    if (space.lattice.displacement(n).x() > 0) space.points[at(n)] = test::failedPoint();
+  const PotentialField field(space);
+  std::mt19937 random(8);
+  int wrong = 0, held = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const Vector3d p = inBall(random) / 8;
+    const ForceSample sample = field.evaluate(p);
+    const double error = (sample.force + energy.gradient(p)).norm();
+    if (!sample.inside || error < 0.03 * sample.force.norm()) continue;
+    ++wrong;
+    held += error <= sample.error_bound ? 1 : 0;
+  }
+  EXPECT_GE(wrong, 200);
+  EXPECT_GE(held, 0.95 * wrong);
+}
+
 const test::JumpingEnergy jumping_energy(0.01, 5, 0.02);
 
 SpaceTable jumpingSpace() { return test::solvedSpace(Lattice(radius, spacing), jumping_energy); }
