@@ -127,7 +127,8 @@ bool LiveLink::greet(const std::stop_token& stop) {
   if (reply && reply->has_follow_reply()) return true;
   if (stop.stop_requested()) return false;
   if (reply && reply->has_refused())
-    tell(fmt::format("the live solver refused: {}", printable(reply->refused().reason())));
+    tell(fmt::format("the live solver refused: {}",
+                     printable(reply->refused().reason(), longest_reason)));
   else if (options_.endpoint.empty())
     tell("the live solver ended or does not answer; starting it again");
   else
@@ -160,7 +161,8 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   if (stop.stop_requested()) return;
   if (!reply) return tell("the live solver does not answer; asking again");
   if (reply->has_refused())
-    return tell(fmt::format("the live solver refused: {}", printable(reply->refused().reason())));
+    return tell(fmt::format("the live solver refused: {}",
+                            printable(reply->refused().reason(), longest_reason)));
   tell({});
   if (!reply->has_followed()) return;
   const auto followed = fromWire(reply->followed());

@@ -24,7 +24,12 @@ constexpr const char* finger_name = "hand";  ///< in messages
 }  // namespace
 
 Follower::Follower(const Problem& problem, const ElementKernels& kernels, double radius)
-    : problem_(problem), radius_(radius), solver_(problem, kernels) {}
+    : problem_(problem), radius_(radius), solver_(problem, kernels) {
+  Failure none;
+  if (!solver_.startAtRest(none))
+    throw failure("scene \"{}\" has no state at rest, so nothing can be solved: {}",
+                  problem.scene.name, describe(none));
+}
 
 HandMotion Follower::aimed(const HandMotion& hand) const {
   const double time = std::min(ahead * usual_seconds_, longest_ahead);

@@ -11,8 +11,8 @@ namespace palpate {
 /// last equilibrium, so the body stays on its branch. One thread.
 class Follower {
  public:
-  /// `problem` must outlive this object. `radius`: radius of the finger, m. Error if the sparsity
-  /// pattern cannot be analysed.
+  /// Solves the state at rest. `problem` must outlive this object. `radius`: radius of the finger,
+  /// m. Error if there is no state at rest, or if the sparsity pattern cannot be analysed.
   Follower(const Problem& problem, const ElementKernels& kernels, double radius);
 
   /// Predicts the position of the hand after 1.5 times the expected duration of a solve, and solves

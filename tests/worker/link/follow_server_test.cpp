@@ -120,6 +120,13 @@ TEST_F(FollowServerTest, RefusesAnotherProtocolAndADamagedProblem) {
   EXPECT_TRUE(begin(socket, problem).has_follow_reply());
 }
 
+TEST_F(FollowServerTest, RefusesABodyWithoutAStateAtRest) {
+  problem_.scene.gravity = {0, 0, -1e6};
+  problem_.scene.regions[0].material.density = 1000;
+  zmq::socket_t socket = client();
+  EXPECT_TRUE(begin(socket, encodeProblem(problem_)).has_refused());
+}
+
 TEST_F(FollowServerTest, IgnoresAHandWhoseNumbersMakeNoSense) {
   zmq::socket_t socket = client();
   begin(socket, encodeProblem(problem_));
