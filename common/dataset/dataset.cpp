@@ -6,6 +6,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/dataset/dataset_format.hpp"
+#include "common/problem/selection.hpp"
 
 namespace palpate {
 namespace {
@@ -126,7 +127,10 @@ Dataset::Dataset(const std::filesystem::path& file)
   probe_places_ = splitOff(spaces_);
   PALPATE_ASSERT(spaces_.size() + probe_places_.size() == scene_.active.size(),
                  "each active node of the scene needs a space or a probe");
-  for (SpaceTable& space : spaces_) space.max_force = scene_.workspace.max_force;
+  for (SpaceTable& space : spaces_) {
+    space.max_force = scene_.workspace.max_force;
+    space.has_fibers = hasFibers(scene_.regions);
+  }
   content_id_ = idIn(in, layout::content_attribute);
   build_id_ = idIn(in, layout::build_attribute);
   partial_ = in.hasAttribute(layout::partial_attribute);

@@ -69,6 +69,9 @@ struct SpaceTable {
   ActivePatch patch;
   /// N, Workspace::max_force of the scene; the default is the limit of the weakest device.
   double max_force = 3.3;
+  /// Whether the body has fibres, which are slack or taut at rest: its stiffness there depends on
+  /// the direction of the push, and the stored one is a mean.
+  bool has_fibers = false;
   Lattice lattice;
   std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by coarserFirst
   std::vector<PointRecord> points;

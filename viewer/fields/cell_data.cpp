@@ -47,7 +47,8 @@ CellData::CellData(const SpaceTable& space, LocalFits& fits)
       equilibria(slotEquilibria(tree, space, ghosts)),
       support(slotCoverage(tree, inconsistent)),
       divisions(space.lattice.divisions()),
-      max_force(space.max_force) {}
+      max_force(space.max_force),
+      has_fibers(space.has_fibers) {}
 
 std::int32_t CellData::slotAt(const LatticePoint& point) const {
   const std::vector<CellSlot>& slots = tree.slots();

@@ -75,6 +75,7 @@ struct CellData : CellBranches {
   std::vector<double> support;          ///< slotCoverage, per slot
   std::int32_t divisions;               ///< lattice coordinates per spacing
   double max_force;                     ///< N, SpaceTable::max_force
+  bool has_fibers;                      ///< SpaceTable::has_fibers
 
   CellData(const SpaceTable& space, LocalFits&& fits);
   /// Returns the slot at lattice coordinates; -1 if there is none.

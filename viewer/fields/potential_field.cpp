@@ -140,7 +140,7 @@ PotentialField::PotentialField(const CellData& data,
                                const std::vector<LocalPolynomial>& polynomials)
     : CellField("potential", data, Limit::bound),
       jets_(energyJets(data.tree, polynomials)),
-      error_(data.tree, polynomials, jets_, data.suspect),
+      error_(data.tree, polynomials, jets_, data.suspect, data.has_fibers),
       failed_(failedSlots(data)) {
   PALPATE_ASSERT(jets_.size() == tree().slots().size(), "each corner of a cell needs derivatives");
 }

@@ -55,7 +55,7 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
   coverage.assign(data.support.begin(), data.support.end());
   const auto polynomials = correctedPolynomials(data, space, fits.energy);
   const std::vector<EnergyJet> energies = energyJets(tree, polynomials);
-  p_error = FieldError(tree, polynomials, energies, data.suspect);
+  p_error = FieldError(tree, polynomials, energies, data.suspect, data.has_fibers);
   setQuantity(jets, 0, energies);
   // `view` is the space with another quantity in place of the energy, so that the functions for
   // energies also interpolate that quantity. Points that are excluded from the interpolation of the

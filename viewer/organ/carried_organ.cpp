@@ -224,7 +224,7 @@ void carryTouch(Bytes& bytes, Touch& touch) {
 template <class Bytes, class Organ>
 void carryOrgan(Bytes& bytes, Organ& organ) {
   carryValues(bytes, organ.name);
-  carry(bytes, organ.max_force);
+  carry(bytes, organ.max_force, organ.has_fibers);
   carryValues(bytes, organ.vertices);
   const std::size_t triangles = bytes.size(organ.triangles.size());
   if constexpr (Bytes::reads) {
@@ -253,7 +253,10 @@ CarriedOrgan decode(std::string_view bytes) {
   CarriedOrgan organ;
   carryOrgan(in, organ);
   PALPATE_ASSERT(in.done(), "the functions that encoded an organ must read all of its bytes");
-  for (SpaceTable& space : organ.spaces) space.max_force = organ.max_force;
+  for (SpaceTable& space : organ.spaces) {
+    space.max_force = organ.max_force;
+    space.has_fibers = organ.has_fibers;
+  }
   return organ;
 }
 

@@ -45,6 +45,7 @@ struct CarriedShapes {
 struct CarriedOrgan {
   std::string name;                             ///< name of the scene
   double max_force = 0;                         ///< N, force limit of the scene
+  bool has_fibers = false;                      ///< SpaceTable::has_fibers of all spaces
   std::vector<Eigen::Vector3d> vertices;        ///< m, of the surface at rest
   std::vector<Triangle> triangles;              ///< indices in `vertices`; normals point outward
   std::vector<std::int32_t> touch_of_triangle;  ///< index in `touches`; -1: cannot be touched

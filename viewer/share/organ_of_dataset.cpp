@@ -7,6 +7,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/problem/selection.hpp"
 #include "common/problem/sites.hpp"
 #include "viewer/fields/area_field.hpp"
 #include "viewer/haptics/touch_surface.hpp"
@@ -138,6 +139,7 @@ CarriedOrgan organOf(const Dataset& dataset) {
   CarriedOrgan organ;
   organ.name = dataset.scene().name;
   organ.max_force = dataset.scene().workspace.max_force;
+  organ.has_fibers = hasFibers(dataset.scene().regions);
   organ.vertices = surface.vertices();
   organ.triangles = surface.triangles();
   organ.spaces = dataset.spaces();

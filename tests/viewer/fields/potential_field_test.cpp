@@ -85,6 +85,37 @@ TEST(PotentialField, IsUncertainTowardsFailedPointsHoweverFastTheForceGrows) {
   EXPECT_GE(held, 0.95 * wrong);
 }
 
+/// A fibre along x that is slack under pushes and stiffens when pulled. At rest the stiffness is
+/// the mean of both sides.
+class SlackEnergy : public test::AnalyticEnergy {
+ public:
+  double energy(const Vector3d& p) const override {
+    return 25 * p.squaredNorm() + 50 * std::pow(std::max(p.x(), 0.0), 2);
+  }
+  Vector3d gradient(const Vector3d& p) const override {
+    return 50 * p + Vector3d(100 * std::max(p.x(), 0.0), 0, 0);
+  }
+  Eigen::Matrix3d hessian(const Vector3d& p) const override {
+    return Vector3d(50 * (p.x() > 0 ? 3 : p.x() < 0 ? 1 : 2), 50, 50).asDiagonal();
+  }
+};
+
+TEST(PotentialField, IsUncertainAtRestWhereFibresBecomeTaut) {
+  const SlackEnergy energy;
+  SpaceTable space = test::solvedSpace(Lattice(radius, spacing), energy);
+  space.has_fibers = true;
+  const PotentialField field(space);
+  std::mt19937 random(8);
+  int held = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const Vector3d p = inBall(random) / 6;
+    const ForceSample sample = field.evaluate(p);
+    held += (sample.force + energy.gradient(p)).norm() <= sample.error_bound ? 1 : 0;
+  }
+  EXPECT_GE(held, 950);
+  EXPECT_EQ(field.evaluate(Vector3d::Zero()).error_bound, 0);
+}
+
 const test::JumpingEnergy jumping_energy(0.01, 5, 0.02);
 
 SpaceTable jumpingSpace() { return test::solvedSpace(Lattice(radius, spacing), jumping_energy); }
