@@ -47,9 +47,16 @@ Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d&
   sample.force = e.force + force_by_p + force_by_s + third;
   sample.drive = e.drive + e.drive_stiffness * dp + drive_by_s + 0.5 * twice(e.stiffness_by_s, dp) +
                  symmetricOf(e.drive_slope_by_p * dp) * ds;
-  sample.last_terms = third.norm();
+  sample.last_terms = e.stiffness_by_p.isZero(0) ? (force_by_p + force_by_s).norm() : third.norm();
   if (held && hold) addHold(*held, ds, dp, hold->displacement - held->at.displacement, sample);
   return sample;
+}
+
+void Expansion::dropMeaningless(double distance) noexcept {
+  if (equilibrium.stiffness_by_p.norm() * distance <= equilibrium.stiffness.norm()) return;
+  equilibrium.stiffness_by_p.setZero();
+  equilibrium.stiffness_by_s.setZero();
+  equilibrium.drive_slope_by_p.setZero();
 }
 
 }  // namespace palpate

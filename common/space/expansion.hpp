@@ -39,8 +39,9 @@ struct Expansion {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();       ///< N, -dE/dp
     Eigen::Vector3d drive = Eigen::Vector3d::Zero();       ///< N, -dE/ds
     Eigen::Vector3d hold_force = Eigen::Vector3d::Zero();  ///< N, on the hold, if both are given
-    /// N, magnitude of the force that the highest terms contribute: those of third order and those
-    /// of the hold's motion. It estimates the error that the force would have without these terms.
+    /// N, magnitude of the force that the highest terms contribute: those of third order, or of
+    /// second order without the former, and those of the hold's motion. It estimates the error that
+    /// the force would have without these terms.
     double last_terms = 0;
     double hold_last_terms = 0;  ///< N, likewise for hold_force, whose highest terms are the first
   };
@@ -48,6 +49,9 @@ struct Expansion {
   /// displacement of `hold`. Real time.
   Sample at(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
             const std::optional<Hold>& hold = {}) const noexcept;
+  /// Sets the third derivatives to zero if they would double the stiffness within `distance`,
+  /// metres: where a fibre becomes taut, they are its jump divided by a tiny step. Real time.
+  void dropMeaningless(double distance) noexcept;
 };
 
 }  // namespace palpate

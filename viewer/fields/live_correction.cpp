@@ -21,12 +21,25 @@ constexpr double softening = 0.05;
 /// One multiplies the disagreement of the expansions, the other their last terms times the distance
 /// in reaches.
 constexpr double disagreement_factor = 2, remainder_factor = 2.5;
+constexpr double share_at_jump = 0.2;  ///< least distance for the latter without third derivatives
+/// Share of the reach in which the stiffness of no smooth tissue doubles: on 16 bodies without
+/// fibres, in 99 % of their points it takes more than 0.02 to 0.3 reaches.
+constexpr double no_doubling_within = 0.03;
+/// N, bound up to which a force counts as known, however small it is.
+constexpr double known_within = 0.02;
 /// Relative error of the live solver's force (TransitionSolver::follow).
 constexpr double solver_error = 1e-4;
 
 /// Returns the estimated error of one expansion, N. distance: in reaches.
 double errorOf(double disagreement, double distance, double last_terms) {
   return disagreement_factor * disagreement + remainder_factor * distance * last_terms;
+}
+
+/// Returns the distance for errorOf(). Beside a jump of the stiffness, where an expansion has no
+/// third derivatives, the error is a share of the last terms however near they are.
+double growthOf(const Expansion& expansion, double distance) {
+  return expansion.equilibrium.stiffness_by_p.isZero(0) ? std::max(distance, share_at_jump)
+                                                        : distance;
 }
 
 /// Returns the place of an expansion's hold, if it has one.
@@ -42,7 +55,8 @@ LiveCorrection::LiveCorrection(double finger_radius) : reach_(reach_radii * fing
 
 void LiveCorrection::add(const Expansion& expansion, double seconds) noexcept {
   const bool is_alone = now_.size == 0 || holdPlaceOf(expansion) != holdPlaceOf(now_.expansions[0]);
-  const Pair next = {{expansion, now_.expansions[0]}, is_alone ? 1u : 2u};
+  Pair next = {{expansion, now_.expansions[0]}, is_alone ? 1u : 2u};
+  next.expansions[0].dropMeaningless(no_doubling_within * reach_);
   if (level_ >= 1) {
     before_ = now_;
     level_ = 0;
@@ -55,10 +69,10 @@ void LiveCorrection::advance(double seconds) noexcept {
   level_ = std::min(level_ + rate_ * seconds, 1.0);
 }
 
-void LiveCorrection::release() noexcept {
+void LiveCorrection::release(double seconds) noexcept {
   before_ = std::exchange(now_, {});
   level_ = 0;
-  rate_ = 1 / release_time;
+  rate_ = 1 / seconds;
 }
 
 LiveCorrection::Weight LiveCorrection::weightOf(const Expansion& expansion,
@@ -106,7 +120,10 @@ HoldForce LiveCorrection::holdForce(const Eigen::Vector3d& s,
 
 double LiveCorrection::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                                AreaSample& sample) const noexcept {
-  if (hold_) sample.error_bound = std::max(sample.error_bound, sample.force.norm());
+  if (hold_) {
+    sample.error_bound = std::max(sample.error_bound, sample.force.norm());
+    sample.inside = false;
+  }
   const AreaSample area = sample;
   const double share = blend(now_, s, p, sample);
   if (level_ >= 1) return share;
@@ -114,11 +131,12 @@ double LiveCorrection::correct(const Eigen::Vector3d& s, const Eigen::Vector3d& 
   const double share_before = blend(before_, s, p, from);
   // The weights change smoothly at both ends of the fade.
   const double now = level_ * level_ * (3 - 2 * level_), before = 1 - now;
+  const double difference = (sample.force - from.force).norm();
+  sample.error_bound = now * sample.error_bound + before * std::max(from.error_bound, difference);
   sample.energy = now * sample.energy + before * from.energy;
   sample.force = now * sample.force + before * from.force;
   sample.drive = now * sample.drive + before * from.drive;
   sample.stiffness = now * sample.stiffness + before * from.stiffness;
-  sample.error_bound = now * sample.error_bound + before * from.error_bound;
   if (before > now) {
     sample.inside = from.inside;
     sample.beyond = from.beyond;
@@ -159,13 +177,14 @@ double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const E
   blended.error_bound =
       (1 - share) * sample.error_bound + share * solver_error * blended.force.norm();
   for (std::size_t n = 0; n < pair.size; ++n)
-    blended.error_bound += weights[n].value / sum *
-                           errorOf((samples[n].force - blended.force).norm(), weights[n].distance,
-                                   samples[n].last_terms);
+    blended.error_bound +=
+        weights[n].value / sum *
+        errorOf((samples[n].force - blended.force).norm(),
+                growthOf(pair.expansions[n], weights[n].distance), samples[n].last_terms);
   if (pair.size > 0 && !hasThisHold(pair.expansions[0]))
     blended.error_bound = std::max(blended.error_bound, blended.force.norm());
   if (share > 0.5) {
-    blended.inside = true;
+    blended.inside = blended.error_bound < std::max(blended.force.norm(), known_within);
     blended.beyond = 0;
   }
   blended.coverage = std::max(sample.coverage, share);

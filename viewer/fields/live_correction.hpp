@@ -45,12 +45,14 @@ class LiveCorrection {
   /// used, and the error bound is at least the magnitude of the force.
   void setHold(const std::optional<Hold>& hold) noexcept { hold_ = hold; }
   void advance(double seconds) noexcept;
-  /// Begins to fade to the area alone.
-  void release() noexcept;
+  /// Begins to fade to the area alone, within `seconds`.
+  void release(double seconds = release_time) noexcept;
 
   /// Corrects `sample`, which must be the area's sample at (s, p). s: m, place of the finger; p: m,
   /// displacement. Returns the share of the expansions, 0 to 1. The error bound includes the
-  /// disagreement of the expansions and the size of their last terms.
+  /// disagreement of the expansions, the size of their last terms, and during a fade the difference
+  /// of both sides. `inside` is false where the bound is as large as the force, and more than
+  /// 20 mN.
   double correct(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                  AreaSample& sample) const noexcept;
 

@@ -1,6 +1,7 @@
 #include "viewer/haptics/live_touch.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "viewer/haptics/haptic_model.hpp"
@@ -12,6 +13,13 @@ namespace {
 constexpr double largest_fade_step = 0.005, largest_fade_share = 0.01;
 /// Longest fade, s. A hand should not feel a wrong force for longer.
 constexpr double longest_fade = 0.3;
+/// Time without an answer after which the last ones are not used any longer: in seconds, and as a
+/// multiple of the usual time. A hand at 5 cm/s moves by 7.5 mm meanwhile.
+constexpr double least_silence = 0.15, silence_factor = 4;
+/// Weight of the newest in the usual time between answers.
+constexpr double newest_share = 0.3;
+/// Duration of the fade to the area alone after such a silence, s.
+constexpr double silent_fade = 0.1;
 
 }  // namespace
 
@@ -30,8 +38,13 @@ double followedRadius(const HapticModel& model, ContentId build) {
 }
 
 void LiveTouch::begin(double period) noexcept {
+  const double before = waited_;
+  waited_ = last_.touching ? waited_ + period : 0;
+  const double longest = std::max(least_silence, silence_factor * usual_);
+  if (before < longest && waited_ >= longest) correction_.release(silent_fade);
   if (const Answer& answer = answers_.read(); answer.number != taken_) {
     taken_ = answer.number;
+    usual_ += newest_share * (std::exchange(waited_, 0) - usual_);
     // If the hand has left the body meanwhile, the answer is of no use.
     if (last_.touching) correction_.add(answer.expansion, fadeOf(answer.expansion, period));
   }

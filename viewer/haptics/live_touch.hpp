@@ -51,7 +51,8 @@ class LiveTouch {
   double fingerRadius() const { return radius_; }  ///< m
 
   // The haptic thread; real time.
-  /// Takes a new equilibrium, if there is one, and advances the fade to it by `period` seconds. A
+  /// Takes a new equilibrium, if there is one, and advances the fade to it by `period` seconds. If
+  /// none has come for four times as long as usual, and 0.15 s, fades to the area alone. A
   /// fade changes the force per tick by at most 1 % or 5 mN, whichever is more. It is faster only
   /// if it would otherwise take longer than 0.3 s, or if a different equilibrium arrives during the
   /// fade.
@@ -92,7 +93,9 @@ class LiveTouch {
   // Used by the haptic thread.
   LiveCorrection correction_;
   std::uint64_t taken_ = 0;
-  LiveHand last_;  ///< the hand that was published last
+  double waited_ = 0;  ///< s, since the last answer or the beginning of the contact
+  double usual_ = 0;   ///< s, mean of such times
+  LiveHand last_;      ///< the hand that was published last
 };
 
 }  // namespace palpate

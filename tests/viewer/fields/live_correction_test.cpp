@@ -180,6 +180,35 @@ TEST_F(LiveCorrectionTest, DoubtsExpansionsThatDisagree) {
   EXPECT_GT(at(touched_place, pressed_by).error_bound, alone + 0.05);
 }
 
+TEST_F(LiveCorrectionTest, IsNotInsideWhereItsForceIsAGuess) {
+  follow(150, touched_place, pressed_by);
+  EXPECT_TRUE(at(touched_place, pressed_by).inside);
+  follow(2, touched_place, pressed_by);
+  EXPECT_GE(at(touched_place, pressed_by).error_bound, at(touched_place, pressed_by).force.norm());
+  EXPECT_FALSE(at(touched_place, pressed_by).inside);
+}
+
+TEST_F(LiveCorrectionTest, BoundsTheErrorWhileAGuessFades) {
+  live_.add(expansionOf(300, touched_place, pressed_by), 0.1);
+  for (int tick = 0; tick < 100; ++tick) {
+    live_.advance(1e-3);
+    AreaSample guess = springAt(100, touched_place, pressed_by);
+    guess.error_bound = guess.force.norm();
+    live_.correct(touched_place, pressed_by, guess);
+    EXPECT_LE((guess.force + 300 * pressed_by).norm(), guess.error_bound + 1e-3) << tick;
+  }
+}
+
+TEST_F(LiveCorrectionTest, IgnoresThirdDerivativesWhereTheStiffnessJumps) {
+  Expansion jumping = expansionOf(150, touched_place, pressed_by);
+  jumping.equilibrium.stiffness_by_p(5, 2) = 1e8;
+  live_.add(jumping, 0);
+  live_.advance(1e-3);
+  const Eigen::Vector3d deeper = pressed_by - Eigen::Vector3d(0, 0, 0.001);
+  EXPECT_NEAR(at(touched_place, deeper).force[2], 1.65, 0.01);
+  EXPECT_GT(at(touched_place, deeper).error_bound, 0.05) << "a part of 0.15 N is a guess";
+}
+
 TEST_F(LiveCorrectionTest, IsInsideBeyondTheEdgeOfTheArea) {
   follow(150, touched_place, pressed_by);
   AreaSample beyond = springAt(100, touched_place, pressed_by);

@@ -63,11 +63,47 @@ TEST(LiveTouch, ChangesTheForceByAFewMillinewtonsInATick) {
   live.answer(weak);
   double before = 0;
   for (int tick = 0; tick < 300; ++tick) {
+    if (tick % 50 == 49) live.answer(weak);
     live.begin(period);
     EXPECT_LT(forceOf(live) - before, 0.0055) << tick;
     before = forceOf(live);
   }
   EXPECT_NEAR(before, 0.5, 1e-3);
+}
+
+TEST(LiveTouch, ForgetsTheLastAnswersSmoothlyIfNoneFollow) {
+  LiveTouch live(0.02);
+  live.publish({0, true, {}, {}, {0, 0, 2}});
+  live.answer(push());
+  pass(live, 0.1);
+  EXPECT_NEAR(forceOf(live), 2, 1e-3);
+  double before = forceOf(live);
+  for (int tick = 0; tick < 200; ++tick) {
+    live.begin(period);
+    EXPECT_LT(before - forceOf(live), 0.05) << tick;
+    before = forceOf(live);
+  }
+  EXPECT_EQ(before, 0) << "the force of the area";
+  live.answer(push());
+  pass(live, 1);
+  EXPECT_EQ(forceOf(live), 0) << "silent again";
+  for (int n = 0; n < 4; ++n) {
+    live.answer(push());
+    pass(live, 0.1);
+  }
+  EXPECT_NEAR(forceOf(live), 2, 1e-3);
+}
+
+TEST(LiveTouch, WaitsLongerForASolverThatIsAlwaysSlow) {
+  LiveTouch live(0.02);
+  live.publish({0, true, {}, {}, {0, 0, 2}});
+  pass(live, 0.3);
+  live.answer(push());
+  for (int n = 0; n < 4; ++n) {
+    pass(live, 0.3);
+    EXPECT_NEAR(forceOf(live), 2, 1e-3);
+    live.answer(push());
+  }
 }
 
 TEST(LiveTouch, ShowsTheHandToTheAskingThread) {
