@@ -45,7 +45,8 @@ Eigen::Vector3d FingerBody::drive(const Eigen::Vector3d& s, const Eigen::Vector3
   return -ConvexEnergy().energy(p) * factorGradient(s);
 }
 
-FingerBody::FingerBody(std::int32_t probes, const std::string& fixed) {
+FingerBody::FingerBody(std::int32_t probes, const std::string& fixed,
+                       const SurfaceSelection& touched) {
   Scene scene;
   scene.name = "fingered";
   scene.mesh = "fingered.msh";
@@ -57,7 +58,7 @@ FingerBody::FingerBody(std::int32_t probes, const std::string& fixed) {
   active.name = "top";
   active.tool = ToolKind::finger;
   active.radius = 0.02;
-  active.surface = SurfaceSelection{.groups = {"zmax"}};
+  active.surface = touched;
   scene.active = {active};
   problem = resolve(std::move(scene), cubeMesh(0.1, 4));
   for (std::size_t s = 0; s < problem.active.size(); ++s) {

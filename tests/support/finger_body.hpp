@@ -11,7 +11,9 @@ namespace palpate::test {
 /// the top, f is convex and stiffening, about 60 N/m at rest. All points, and `probes` probes at
 /// places of the top, are solved. One side of the cube is fixed.
 struct FingerBody {
-  explicit FingerBody(std::int32_t probes = 0, const std::string& fixed = "zmin");
+  /// touched: the part of the surface for the finger.
+  explicit FingerBody(std::int32_t probes = 0, const std::string& fixed = "zmin",
+                      const SurfaceSelection& touched = {.groups = {"zmax"}});
 
   static double energy(const Eigen::Vector3d& s, const Eigen::Vector3d& p);
   static Eigen::Vector3d force(const Eigen::Vector3d& s, const Eigen::Vector3d& p);

@@ -72,26 +72,13 @@ Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from,
   return descent;
 }
 
-/// Converts a point on an edge or vertex to the barycentric coordinates of another triangle that
-/// has the same edge or vertex.
-SurfacePoint seenFrom(const TouchSurface& surface, std::int32_t triangle,
-                      const SurfacePoint& point) noexcept {
-  SurfacePoint seen{triangle, Eigen::Vector3d::Zero()};
-  const Triangle &own = surface.triangles()[at(point.triangle)],
-                 &other = surface.triangles()[at(triangle)];
-  for (Eigen::Index c = 0; c < 3; ++c)
-    for (Eigen::Index d = 0; d < 3; ++d)
-      if (own[at(c)] == other[at(d)]) seen.barycentric[d] = point.barycentric[c];
-  return seen;
-}
-
 Descent steepestDescent(const TouchSurface& surface, const SurfacePoint& anchor,
                         BlendedForce& force) noexcept {
   Descent best = descentWithin(surface, anchor, force);
   const auto consider = [&](std::int32_t triangle) {
     if (triangle < 0 || triangle == anchor.triangle || !surface.touchable(triangle)) return;
     if (surface.areaOf(triangle) != surface.areaOf(anchor.triangle)) return;
-    const Descent other = descentWithin(surface, seenFrom(surface, triangle, anchor), force);
+    const Descent other = descentWithin(surface, surface.seenFrom(triangle, anchor), force);
     if (other.slope > best.slope) best = other;
   };
   const auto zeros = (anchor.barycentric.array() == 0).count();

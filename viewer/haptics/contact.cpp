@@ -74,6 +74,7 @@ void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest
   // Because of rounding, a tool on the surface can get inside without a crossing.
   SurfacePoint entry = nearest;
   if (crossing.triangle >= 0) entry = crossing;
+  entry = model_->surface().preferTouchable(entry);
   if (model_->surface().touchable(entry.triangle)) {
     const double gap = touch_.gap;
     anchor_ = entry;

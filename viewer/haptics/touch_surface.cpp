@@ -14,6 +14,9 @@
 namespace palpate {
 namespace {
 
+/// Smaller barycentric coordinates are taken as zero, so the point lies on an edge or vertex.
+constexpr double rounding = 1e-9;
+
 struct Candidate {
   std::int32_t space;
   double distance, reach;  ///< m
@@ -266,6 +269,33 @@ void TouchSurface::setTouchable() {
 
 Eigen::Vector3d TouchSurface::position(const SurfacePoint& point) const noexcept {
   return combined(cornersOf(vertices_, triangles_[at(point.triangle)]), point.barycentric);
+}
+
+SurfacePoint TouchSurface::seenFrom(std::int32_t triangle,
+                                    const SurfacePoint& point) const noexcept {
+  SurfacePoint seen{triangle, Eigen::Vector3d::Zero()};
+  const Triangle &own = triangles_[at(point.triangle)], &other = triangles_[at(triangle)];
+  for (Eigen::Index c = 0; c < 3; ++c)
+    for (Eigen::Index d = 0; d < 3; ++d)
+      if (own[at(c)] == other[at(d)]) seen.barycentric[d] = point.barycentric[c];
+  return seen;
+}
+
+SurfacePoint TouchSurface::preferTouchable(const SurfacePoint& point) const noexcept {
+  if (point.triangle < 0 || touchable(point.triangle)) return point;
+  SurfacePoint exact = point;
+  for (double& share : exact.barycentric)
+    if (share < rounding) share = 0;
+  exact.barycentric /= exact.barycentric.sum();
+  // A triangle that shares the edge or vertex has a corner at each share that is not zero.
+  Eigen::Index corner = 0;
+  exact.barycentric.maxCoeff(&corner);
+  for (const std::int32_t triangle : trianglesAt(triangles_[at(exact.triangle)][at(corner)])) {
+    if (!touchable(triangle)) continue;
+    const SurfacePoint seen = seenFrom(triangle, exact);
+    if (seen.barycentric.sum() > 1 - rounding) return seen;
+  }
+  return point;
 }
 
 Eigen::Vector3d TouchSurface::normal(const SurfacePoint& point) const noexcept {

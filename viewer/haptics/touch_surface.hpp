@@ -117,6 +117,13 @@ class TouchSurface {
   /// Returns the area of a triangle, as an index into areas(); -1 if it is in no area.
   std::int32_t areaOf(std::int32_t triangle) const noexcept { return area_of_[at(triangle)]; }
   Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< position at rest, m
+  /// Converts a point on an edge or vertex to the barycentric coordinates of another triangle that
+  /// has the same edge or vertex.
+  SurfacePoint seenFrom(std::int32_t triangle, const SurfacePoint& point) const noexcept;
+  /// Returns the point in a touchable triangle. If its own triangle is not touchable but the point
+  /// lies, within rounding, on an edge or vertex of a touchable one, converts it to that triangle.
+  /// Otherwise returns the point unchanged.
+  SurfacePoint preferTouchable(const SurfacePoint& point) const noexcept;
   /// Returns the unit normal, interpolated between the vertex normals.
   Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;
   /// Returns the weights at a point of a touchable triangle.

@@ -15,7 +15,7 @@ std::optional<PointedPlace> placeUnder(const TouchSurface& surface, const OrbitC
   const Eigen::Vector3d eye = camera.position();
   const Crossing seen = surface.tree().entry(eye, eye + camera.far() * camera.ray(pointer));
   if (seen.triangle < 0) return std::nullopt;
-  return placeAt(surface, seen);
+  return placeAt(surface, surface.preferTouchable(seen));
 }
 
 PointedPlace touchablePlace(const TouchSurface& surface, const Eigen::Vector3d& point) {

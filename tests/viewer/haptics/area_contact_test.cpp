@@ -99,6 +99,45 @@ TEST_F(AreaContact, SpacesOfSitesAnswerAsTheAreaAtTheirPlaces) {
   }
 }
 
+/// The body in an area that ends inside its top, so that the rim has triangles on both sides.
+class AreaRim : public ::testing::Test {
+ protected:
+  bool enters(const Eigen::Vector3d& place) const {
+    Contact contact(model);
+    contact.update(place + Eigen::Vector3d(0, 0, 0.01));
+    return contact.update(place - Eigen::Vector3d(0, 0, 0.001)).touching;
+  }
+  bool flat(std::int32_t triangle) const { return surface.faceNormal(triangle).z() > 0.9; }
+  const HapticModel model = [] {
+    const test::TemporaryDirectory directory;
+    const test::FingerBody body(0, "zmin", {.boxes = {{{0.02, 0.02, 0.09}, {0.06, 0.06, 0.11}}}});
+    body.seal(directory / "body.h5");
+    return HapticModel(Dataset(directory / "body.h5"), {.methods = {"potential"}});
+  }();
+  const TouchSurface& surface = model.surface();
+};
+
+TEST_F(AreaRim, IsEnteredAtItsEdgesAndVerticesButNotBeyond) {
+  int edges = 0;
+  for (std::int32_t t = 0; t < std::ssize(surface.triangles()); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const std::int32_t other = surface.neighbor(t, c);
+      if (!flat(t) || !flat(other) || !surface.touchable(t) || surface.touchable(other)) continue;
+      ++edges;
+      for (const double share : {0.0, 0.3, 0.5, 1.0}) {
+        SurfacePoint point{t, Eigen::Vector3d::Zero()};
+        point.barycentric[(c + 1) % 3] = share;
+        point.barycentric[(c + 2) % 3] = 1 - share;
+        EXPECT_TRUE(enters(surface.position(point))) << "triangle " << t << " at " << share;
+      }
+      EXPECT_FALSE(enters(surface.position({other, Eigen::Vector3d::Constant(1.0 / 3)})));
+      EXPECT_FALSE(enters(surface.position({other, {0.999, 0.0005, 0.0005}})) &&
+                   enters(surface.position({other, {0.0005, 0.999, 0.0005}})) &&
+                   enters(surface.position({other, {0.0005, 0.0005, 0.999}})));
+    }
+  EXPECT_GT(edges, 3);
+}
+
 /// A path 5 mm deep across the top, over many triangles and sites.
 Eigen::Vector3d acrossTheTop(double t) {
   return {0.015 + 0.07 * t, 0.03 + 0.03 * std::sin(5 * t), 0.1 - 0.005 * std::sin(M_PI * t)};
