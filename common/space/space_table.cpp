@@ -113,12 +113,14 @@ std::size_t nearestSite(const std::vector<SpaceTable>& spaces,
 std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
                  "each lattice point must have a record");
-  double largest = 0;
-  for (const PointRecord& point : space.points)
-    if (point.tag == Tag::expandable) largest = std::max(largest, point.equilibrium.force.norm());
-  const double limit =
-      // Without an expandable point there is no force to compare with, so there is no limit.
-      largest > 0 ? largest_force_share * largest : std::numeric_limits<double>::infinity();
+  double largest = 0, weakest_end = std::numeric_limits<double>::infinity();
+  for (const PointRecord& point : space.points) {
+    const double force = point.equilibrium.force.norm();
+    if (point.tag == Tag::expandable) largest = std::max(largest, force);
+    if (point.tag == Tag::terminating) weakest_end = std::min(weakest_end, force);
+  }
+  // In a stiff body only rest may be expandable, and its force is zero.
+  const double limit = largest_force_share * (largest > 0 ? largest : weakest_end);
   std::vector<bool> interpolated;
   for (const PointRecord& point : space.points)
     interpolated.push_back(

@@ -111,7 +111,8 @@ SpaceRowsList rowsOf(const std::vector<SpaceTable>& tables);
 SpaceTable tableOf(const SpaceRows& rows);
 
 /// Interpolation uses a terminating point only if its force is at most this multiple of the largest
-/// force of the expandable points. At larger forces an element beside the tool is being crushed.
+/// force of the expandable points, or of the smallest terminating force if only rest is expandable.
+/// At larger forces an element beside the tool is being crushed.
 /// The force is then tens to thousands of times the range of a device, and a polynomial that
 /// interpolates it is wrong in the whole cell.
 inline constexpr double largest_force_share = 3;
