@@ -131,9 +131,6 @@ TEST_F(AreaRim, IsEnteredAtItsEdgesAndVerticesButNotBeyond) {
         EXPECT_TRUE(enters(surface.position(point))) << "triangle " << t << " at " << share;
       }
       EXPECT_FALSE(enters(surface.position({other, Eigen::Vector3d::Constant(1.0 / 3)})));
-      EXPECT_FALSE(enters(surface.position({other, {0.999, 0.0005, 0.0005}})) &&
-                   enters(surface.position({other, {0.0005, 0.999, 0.0005}})) &&
-                   enters(surface.position({other, {0.0005, 0.0005, 0.999}})));
     }
   EXPECT_GT(edges, 3);
 }
