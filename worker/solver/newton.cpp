@@ -11,6 +11,10 @@
 namespace palpate {
 namespace {
 
+/// Largest force of the tool to which a tolerance is relative, in force scales. Larger forces mean
+/// that elements are crushed; they must not excuse a residual that moves the rest of the body.
+constexpr double largest_force = 1e4;
+
 /// Sufficient decrease of the residual norm, per unit of step (Armijo).
 constexpr double sufficient_decrease = 1e-4;
 /// Limits of the relaxation near the tool: number of iterations, and of halvings per step.
@@ -57,8 +61,9 @@ class Newton {
 
  private:
   double tolerance() const {
-    return options_.absolute_tolerance * (system_.forceScale() + system_.totalLoad()) +
-           options_.relative_tolerance * now_.residual.tool.norm();
+    const double scale = system_.forceScale();
+    return options_.absolute_tolerance * (scale + system_.totalLoad()) +
+           options_.relative_tolerance * std::min(now_.residual.tool.norm(), largest_force * scale);
   }
 
   bool renewTangent() {

@@ -27,8 +27,8 @@ struct NewtonOptions {
   /// this many more iterations.
   int iterations_worth_a_tangent = 8;
   /// Newton has converged when the residual norm is at most absolute * (System::forceScale() +
-  /// totalLoad()) + relative * |force on the tool|. The relative error of the force is then about
-  /// 1e-9.
+  /// totalLoad()) + relative * |force on the tool|, where the force counts at most 1e4 times
+  /// forceScale(). The relative error of the force is then about 1e-9.
   double absolute_tolerance = 1e-10;
   double relative_tolerance = 1e-9;
 };
