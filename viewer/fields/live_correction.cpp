@@ -23,7 +23,7 @@ constexpr double softening = 0.05;
 constexpr double disagreement_factor = 2, remainder_factor = 2.5;
 constexpr double share_at_jump = 0.2;  ///< least distance for the latter without third derivatives
 /// Share of the reach in which the stiffness of no smooth tissue doubles: on 16 bodies without
-/// fibres, in 99 % of their points it takes more than 0.02 to 0.3 reaches.
+/// fibres, in 99 % of their points it takes more than 0.025 to 0.8 reaches.
 constexpr double no_doubling_within = 0.03;
 /// N, bound up to which a force counts as known, however small it is.
 constexpr double known_within = 0.02;
