@@ -299,6 +299,10 @@ class ViewSession {
       if (!more.empty()) status_.trouble += (status_.trouble.empty() ? "" : "\n") + more;
     if (status_.trouble != said_ && !status_.trouble.empty()) spdlog::warn("{}", status_.trouble);
     said_ = status_.trouble;
+    // A new live solver answers sooner than this function looks again.
+    const std::uint64_t restarts = link_ ? link_->statistics().restarts : 0;
+    if (restarts > std::exchange(restarts_, restarts) && said_.empty())
+      spdlog::warn("the live solver ended or was lost; it is back");
     if (loop_) status_.loop = loop_->statistics();
     doubtPosition();
     if (retired_ && isRetiredUnused()) retired_.reset();
@@ -523,7 +527,8 @@ class ViewSession {
   LoopStatistics statistics_;         ///< sum over ended loops; if stepped(), over ticks
   std::uint64_t ticks_ = 0;           ///< ticks to run; 0: no limit
   PictureStatus status_;
-  std::string said_;  ///< the problem that was logged last
+  std::string said_;            ///< the problem that was logged last
+  std::uint64_t restarts_ = 0;  ///< restarts of the live solver that were logged
   std::chrono::steady_clock::time_point looked_;
   std::chrono::steady_clock::time_point notice_ends_ = std::chrono::steady_clock::time_point::max();
   bool doubted_ = false;                  ///< whether the warning about the position of the hand

@@ -20,7 +20,8 @@ constexpr auto connection_patience = 5s;
 constexpr auto answer_patience = 3s;
 /// The user is warned if an answer takes longer than this.
 constexpr auto late_after = 300ms;
-constexpr auto pause_after_trouble = 500ms;
+/// Shortest time between the beginnings of two connections.
+constexpr auto shortest_connection = 500ms;
 /// The speed of a hand is its motion over at least this time, s.
 constexpr double speed_time = 0.004;
 
@@ -33,7 +34,6 @@ struct LiveLink::Follower {
                  "--quiet", "--insecure", "--listen", endpoint()}) {}
 
   std::string endpoint() const { return "ipc://" + (folder / "follower").string(); }
-  bool ended() { return !process.running(); }
 
   ScratchFolder folder;
   ChildProcess process;  ///< is killed at the end: it has nothing to save
@@ -73,6 +73,7 @@ void LiveLink::tell(std::string trouble) {
 
 void LiveLink::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
+    const auto began = Clock::now();
     try {
       attend(stop);
     } catch (const std::exception& error) {
@@ -83,7 +84,7 @@ void LiveLink::run(const std::stop_token& stop) {
       const std::lock_guard lock(mutex_);
       ++statistics_.restarts;
     }
-    std::this_thread::sleep_for(pause_after_trouble);
+    std::this_thread::sleep_until(began + shortest_connection);
   }
   follower_.reset();
 }
@@ -98,7 +99,7 @@ void LiveLink::attend(const std::stop_token& stop) {
     const LiveHand hand = touch_.hand();
     if (hand.time == before_.time || (!hand.touching && !before_.touching)) {
       std::this_thread::sleep_for(answer_poll);
-      if (follower_ && follower_->ended()) return tell("the live solver ended; restarting it");
+      if (ended()) return tell(whyNoAnswer());
       continue;
     }
     askAbout(hand, stop);
@@ -111,6 +112,9 @@ std::string LiveLink::connect() {
   if (options_.endpoint.empty()) {
     follower_.reset();
     follower_ = std::make_unique<Follower>(options_.worker);
+    // It listens in a moment.
+    socket_.set(zmq::sockopt::reconnect_ivl, 10);
+    socket_.set(zmq::sockopt::reconnect_ivl_max, 0);
     return connectDealer(socket_, follower_->endpoint());
   }
   if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
@@ -130,7 +134,7 @@ bool LiveLink::greet(const std::stop_token& stop) {
     tell(fmt::format("the live solver refused: {}",
                      printable(reply->refused().reason(), longest_reason)));
   else if (options_.endpoint.empty())
-    tell("the live solver ended or does not answer; starting it again");
+    tell(whyNoAnswer());
   else
     tell(fmt::format("no live solver answers at {}: start one there with palpate follow --listen",
                      options_.endpoint));
@@ -159,7 +163,7 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const auto asked = Clock::now();
   const auto reply = ask(question, {}, answer_patience, stop);
   if (stop.stop_requested()) return;
-  if (!reply) return tell("the live solver does not answer; asking again");
+  if (!reply) return tell(whyNoAnswer());
   if (reply->has_refused())
     return tell(fmt::format("the live solver refused: {}",
                             printable(reply->refused().reason(), longest_reason)));
@@ -175,15 +179,20 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   statistics_.largest_seconds = std::max(statistics_.largest_seconds, took.count());
 }
 
+bool LiveLink::ended() const { return follower_ && !follower_->process.running(); }
+
+std::string LiveLink::whyNoAnswer() const {
+  return ended() ? fmt::format("the live solver has ended: {}", follower_->process.how())
+                 : "the live solver does not answer";
+}
+
 /// Returns the answer of the live solver; nullopt if it does not arrive in time, or if the process
 /// has ended.
 std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::string_view payload,
                                            std::chrono::milliseconds patience,
                                            const std::stop_token& stop) {
   const auto until = Clock::now() + patience;
-  const auto goes_on = [&] {
-    return Clock::now() < until && !stop.stop_requested() && !(follower_ && follower_->ended());
-  };
+  const auto goes_on = [&] { return Clock::now() < until && !stop.stop_requested() && !ended(); };
   // The socket accepts no message until the connection is established.
   const auto began = Clock::now();
   while (sendMessage(socket_, "", question, payload) != Sent::yes) {

@@ -48,6 +48,8 @@ class LiveLink {
   void askAbout(const LiveHand& hand, const std::stop_token& stop);
   std::optional<wire::Message> ask(const wire::Message& question, std::string_view payload,
                                    std::chrono::milliseconds patience, const std::stop_token& stop);
+  bool ended() const;  ///< whether the live solver that this object started has ended
+  std::string whyNoAnswer() const;
   void tell(std::string trouble);
 
   LiveTouch& touch_;
