@@ -18,12 +18,25 @@ constexpr auto greeting_patience = 30s;
 constexpr auto connection_patience = 5s;
 /// Longest wait for an answer. A solve that begins from rest takes longer than any other.
 constexpr auto answer_patience = 3s;
+/// The user is warned if this many hand positions in a row have no equilibrium.
+constexpr int most_unsolved = 3;
 /// The user is warned if an answer takes longer than this.
 constexpr auto late_after = 300ms;
 /// Shortest time between the beginnings of two connections.
 constexpr auto shortest_connection = 500ms;
 /// The speed of a hand is its motion over at least this time, s.
 constexpr double speed_time = 0.004;
+
+std::string refusalIn(const wire::Message& reply) {
+  return fmt::format("the live solver refused: {}",
+                     printable(reply.refused().reason(), longest_reason));
+}
+
+/// Describes why an answer has no equilibrium.
+std::string whyUnsolved(const wire::Followed& answer, const std::optional<Followed>& read) {
+  if (!answer.objection().empty()) return printable(answer.objection(), longest_reason);
+  return read ? describe(read->failure()) : "its answer cannot be read";
+}
 
 }  // namespace
 
@@ -95,6 +108,7 @@ void LiveLink::attend(const std::stop_token& stop) {
   if (!greet(stop)) return;
   tell({});
   before_ = {};
+  unsolved_ = 0;
   while (!stop.stop_requested()) {
     const LiveHand hand = touch_.hand();
     if (hand.time == before_.time || (!hand.touching && !before_.touching)) {
@@ -102,8 +116,7 @@ void LiveLink::attend(const std::stop_token& stop) {
       if (ended()) return tell(whyNoAnswer());
       continue;
     }
-    askAbout(hand, stop);
-    if (!trouble().empty()) return;
+    if (!askAbout(hand, stop)) return;
   }
 }
 
@@ -131,8 +144,7 @@ bool LiveLink::greet(const std::stop_token& stop) {
   if (reply && reply->has_follow_reply()) return true;
   if (stop.stop_requested()) return false;
   if (reply && reply->has_refused())
-    tell(fmt::format("the live solver refused: {}",
-                     printable(reply->refused().reason(), longest_reason)));
+    tell(refusalIn(*reply));
   else if (options_.endpoint.empty())
     tell(whyNoAnswer());
   else
@@ -142,10 +154,13 @@ bool LiveLink::greet(const std::stop_token& stop) {
 }
 
 /// Sends the state of the hand, and passes the equilibrium near the hand to the haptic loop.
-void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
+/// Returns false if the connection has failed or `stop` is requested.
+bool LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   const bool follows = before_.touching && hand.time > before_.time;
-  if (hand.touching && follows && hand.time - before_.time < speed_time)
-    return std::this_thread::sleep_for(answer_poll);
+  if (hand.touching && follows && hand.time - before_.time < speed_time) {
+    std::this_thread::sleep_for(answer_poll);
+    return true;
+  }
   wire::Message question;
   wire::HandMotion& message = *question.mutable_hand_motion();
   if (hand.touching) {
@@ -162,21 +177,28 @@ void LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   before_ = hand;
   const auto asked = Clock::now();
   const auto reply = ask(question, {}, answer_patience, stop);
-  if (stop.stop_requested()) return;
-  if (!reply) return tell(whyNoAnswer());
-  if (reply->has_refused())
-    return tell(fmt::format("the live solver refused: {}",
-                            printable(reply->refused().reason(), longest_reason)));
-  tell({});
-  if (!reply->has_followed()) return;
+  if (stop.stop_requested()) return false;
+  if (!reply || reply->has_refused()) {
+    tell(reply ? refusalIn(*reply) : whyNoAnswer());
+    return false;
+  }
   const auto followed = fromWire(reply->followed());
   const bool found = followed && followed->converged();
   if (found) touch_.answer(followed->expansion());
+  unsolved_ = found || !reply->has_followed() ? 0 : unsolved_ + 1;
+  if (unsolved_ < most_unsolved)
+    tell({});
+  else if (unsolved_ == most_unsolved)
+    tell(fmt::format("the live solver finds no equilibrium {}: {}",
+                     hand.hold ? "of the hand and the second finger" : "near the hand",
+                     whyUnsolved(reply->followed(), followed)));
+  if (!reply->has_followed()) return true;
   const std::chrono::duration<double> took = Clock::now() - asked;
   const std::lock_guard lock(mutex_);
   ++(found ? statistics_.answers : statistics_.failures);
   statistics_.seconds += took.count();
   statistics_.largest_seconds = std::max(statistics_.largest_seconds, took.count());
+  return true;
 }
 
 bool LiveLink::ended() const { return follower_ && !follower_->process.running(); }
@@ -202,7 +224,8 @@ std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::s
   while (goes_on()) {
     waitForMessages(socket_, 20ms);
     if (auto incoming = receiveMessage(socket_, false)) return std::move(incoming->message);
-    if (question.has_hand_motion() && Clock::now() - began > late_after)
+    if (question.has_hand_motion() && unsolved_ < most_unsolved &&
+        Clock::now() - began > late_after)
       tell("live solving is late: the hand moves faster than the solver can follow");
   }
   return std::nullopt;

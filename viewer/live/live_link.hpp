@@ -45,7 +45,7 @@ class LiveLink {
   void attend(const std::stop_token& stop);
   std::string connect();
   bool greet(const std::stop_token& stop);
-  void askAbout(const LiveHand& hand, const std::stop_token& stop);
+  bool askAbout(const LiveHand& hand, const std::stop_token& stop);
   std::optional<wire::Message> ask(const wire::Message& question, std::string_view payload,
                                    std::chrono::milliseconds patience, const std::stop_token& stop);
   bool ended() const;  ///< whether the live solver that this object started has ended
@@ -57,7 +57,8 @@ class LiveLink {
   zmq::context_t context_;
   zmq::socket_t socket_;
   std::unique_ptr<Follower> follower_;
-  LiveHand before_;  ///< state of the hand in the last question
+  LiveHand before_;   ///< state of the hand in the last question
+  int unsolved_ = 0;  ///< number of answers in a row without an equilibrium
 
   mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable changed_;

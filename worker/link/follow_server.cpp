@@ -75,8 +75,8 @@ void FollowServer::follow(const Incoming& incoming) {
         spdlog::warn("{}", error.what());
         return refuse(client_, error.what());
       }
-      spdlog::debug("a finger cannot press there: {}", error.what());
       toWire(Followed{Failure{}, {}}, *reply.mutable_followed());
+      reply.mutable_followed()->set_objection(error.what());
     }
   } else {
     return spdlog::debug("an invalid hand position was ignored");

@@ -29,15 +29,46 @@ class LiveLinkTest : public ::testing::Test {
     return {encodeProblem(problem_), "", {}, program};
   }
 
+  /// Lets the hand press, slightly deeper in each tick, until `condition` is true.
+  bool pressUntil(const std::function<bool()>& condition) {
+    const Eigen::Vector3d place = problem_.active[0].finger->center;
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!condition() && std::chrono::steady_clock::now() < limit) {
+      hand_time_ += 0.005;
+      touch_.publish({hand_time_, true, place, {-1e-3 - 1e-5 * hand_time_, 0, 0}, {}});
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return condition();
+  }
+
   test::TemporaryDirectory directory_;
   Problem problem_ = test::fingeredBlob(radius);
   LiveTouch touch_{radius};
+  double hand_time_ = 0;  ///< s
 };
 
 TEST_F(LiveLinkTest, SaysHowTheLiveSolverEnded) {
   LiveLink link(touch_, options(program("exit 7")));
   EXPECT_FALSE(link.waitUntilReady(std::chrono::minutes(1)));
   EXPECT_THAT(link.trouble(), testing::HasSubstr("7"));
+}
+
+TEST_F(LiveLinkTest, TellsWhyASecondFingerCannotHoldAndGoesOn) {
+  LiveLink link(touch_, options());
+  ASSERT_TRUE(link.waitUntilReady(std::chrono::minutes(1))) << link.trouble();
+  const auto isTroubled = [&] { return !link.trouble().empty(); };
+  const auto isWell = [&] { return link.trouble().empty(); };
+  const Eigen::Vector3d hand = problem_.active[0].finger->center,
+                        fixed = problem_.mesh.nodes[problem_.fixed.front()], push(0, -0.005, 0);
+  const Hold holds[] = {{fixed, push}, {hand, push}, {{9, 9, 9}, push}, {{0, 0.1, 0}, {0, -1, 0}}};
+  for (const Hold& hold : holds) {
+    touch_.setHold(hold);
+    EXPECT_TRUE(pressUntil(isTroubled)) << hold.place << '\n' << hold.displacement;
+    touch_.setHold(std::nullopt);
+    EXPECT_TRUE(pressUntil(isWell)) << link.trouble();
+  }
+  EXPECT_GT(link.statistics().answers, 0u);
+  EXPECT_EQ(link.statistics().restarts, 0u) << "the connection stays";
 }
 
 }  // namespace

@@ -97,9 +97,11 @@ TEST_F(FollowServerTest, SaysThatThereIsNoEquilibriumAndGoesOn) {
   begin(socket, encodeProblem(problem_));
   HandMotion held = hand_;
   held.place = problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
-  const auto none = fromWire(follow(socket, held).followed());
+  const wire::Message reply = follow(socket, held);
+  const auto none = fromWire(reply.followed());
   ASSERT_TRUE(none);
   EXPECT_FALSE(none->converged());
+  EXPECT_FALSE(reply.followed().objection().empty());
   EXPECT_TRUE(fromWire(follow(socket, hand_).followed())->converged());
 }
 
