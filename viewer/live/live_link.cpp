@@ -89,6 +89,7 @@ void LiveLink::run(const std::stop_token& stop) {
     const auto began = Clock::now();
     try {
       attend(stop);
+      sayGoodbye();
     } catch (const std::exception& error) {
       tell(error.what());
     }
@@ -131,6 +132,7 @@ std::string LiveLink::connect() {
     return connectDealer(socket_, follower_->endpoint());
   }
   if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
+  handshakes_.emplace(context_, socket_);
   return connectDealer(socket_, options_.endpoint);
 }
 
@@ -143,13 +145,7 @@ bool LiveLink::greet(const std::stop_token& stop) {
   const auto reply = ask(greeting, options_.problem, greeting_patience, stop);
   if (reply && reply->has_follow_reply()) return true;
   if (stop.stop_requested()) return false;
-  if (reply && reply->has_refused())
-    tell(refusalIn(*reply));
-  else if (options_.endpoint.empty())
-    tell(whyNoAnswer());
-  else
-    tell(fmt::format("no live solver answers at {}: start one there with palpate follow --listen",
-                     options_.endpoint));
+  tell(reply && reply->has_refused() ? refusalIn(*reply) : whyNoAnswer());
   return false;
 }
 
@@ -201,20 +197,36 @@ bool LiveLink::askAbout(const LiveHand& hand, const std::stop_token& stop) {
   return true;
 }
 
+/// Frees the place at a live solver elsewhere. Does not wait for it.
+void LiveLink::sayGoodbye() {
+  if (follower_) return;
+  wire::Message farewell;
+  farewell.mutable_goodbye();
+  socket_.set(zmq::sockopt::linger, 500);  // ms: the message is on its way when the program ends
+  static_cast<void>(sendMessage(socket_, "", farewell));
+}
+
 bool LiveLink::ended() const { return follower_ && !follower_->process.running(); }
 
 std::string LiveLink::whyNoAnswer() const {
-  return ended() ? fmt::format("the live solver has ended: {}", follower_->process.how())
-                 : "the live solver does not answer";
+  if (ended()) return fmt::format("the live solver has ended: {}", follower_->process.how());
+  if (follower_) return "the live solver does not answer";
+  if (!key_trouble_.empty())
+    return fmt::format("live solver at {}: {}", options_.endpoint, key_trouble_);
+  return fmt::format("no live solver answers at {}: start one there with palpate follow --listen",
+                     options_.endpoint);
 }
 
-/// Returns the answer of the live solver; nullopt if it does not arrive in time, or if the process
-/// has ended.
+/// Returns the answer of the live solver; nullopt if it does not arrive in time, if the process
+/// has ended, or if one side does not accept the key of the other.
 std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::string_view payload,
                                            std::chrono::milliseconds patience,
                                            const std::stop_token& stop) {
   const auto until = Clock::now() + patience;
-  const auto goes_on = [&] { return Clock::now() < until && !stop.stop_requested() && !ended(); };
+  const auto goes_on = [&] {
+    key_trouble_ = handshakes_ ? handshakes_->trouble() : "";
+    return key_trouble_.empty() && Clock::now() < until && !stop.stop_requested() && !ended();
+  };
   // The socket accepts no message until the connection is established.
   const auto began = Clock::now();
   while (sendMessage(socket_, "", question, payload) != Sent::yes) {

@@ -48,6 +48,7 @@ class LiveLink {
   bool askAbout(const LiveHand& hand, const std::stop_token& stop);
   std::optional<wire::Message> ask(const wire::Message& question, std::string_view payload,
                                    std::chrono::milliseconds patience, const std::stop_token& stop);
+  void sayGoodbye();
   bool ended() const;  ///< whether the live solver that this object started has ended
   std::string whyNoAnswer() const;
   void tell(std::string trouble);
@@ -56,6 +57,8 @@ class LiveLink {
   const LiveLinkOptions options_;
   zmq::context_t context_;
   zmq::socket_t socket_;
+  std::optional<HandshakeWatch> handshakes_;  ///< of a live solver elsewhere
+  std::string key_trouble_;                   ///< why the last handshake failed
   std::unique_ptr<Follower> follower_;
   LiveHand before_;   ///< state of the hand in the last question
   int unsolved_ = 0;  ///< number of answers in a row without an equilibrium

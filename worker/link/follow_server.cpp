@@ -33,6 +33,7 @@ void FollowServer::handle(const Incoming& incoming) {
   if (incoming.message.has_follow_request()) return begin(incoming);
   if (incoming.message.has_hand_motion() && incoming.peer == client_ && follower_)
     return follow(incoming);
+  if (incoming.message.has_goodbye() && incoming.peer == client_) return client_.clear();
   spdlog::debug("an unexpected message was ignored");
 }
 

@@ -11,8 +11,8 @@ namespace palpate {
 
 /// Offers the live solver to one haptic client at a time (docs/internals/wire.md). The client sends
 /// its problem, then positions of the hand. Each position is answered by the equilibrium near it
-/// before the next one is read. Another client is refused until the first one has been silent for
-/// two seconds. One thread.
+/// before the next one is read. Another client is refused until the first one has said Goodbye or
+/// been silent for two seconds. One thread.
 class FollowServer {
  public:
   /// Listens at `endpoint`. `keys` is empty if clients need no key. Errors as from bindRouter().

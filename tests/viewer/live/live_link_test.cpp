@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
+#include <thread>
 
+#include "common/base/child_process.hpp"
 #include "common/problem/problem.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -69,6 +72,29 @@ TEST_F(LiveLinkTest, TellsWhyASecondFingerCannotHoldAndGoesOn) {
   }
   EXPECT_GT(link.statistics().answers, 0u);
   EXPECT_EQ(link.statistics().restarts, 0u) << "the connection stays";
+}
+
+TEST_F(LiveLinkTest, SaysThatALiveSolverElsewhereNeedsItsKeyAndAnAdmission) {
+  const KeyFolder here(directory_ / "here"), there(directory_ / "there");
+  const PublicKey server = there.ownOrNew().open(), client = here.ownOrNew().open();
+  const std::string endpoint = "ipc://" + (directory_ / "socket").string();
+  const ChildProcess solver(
+      {worker, "follow", "--quiet", "--listen", endpoint, "--keys", there.path().string()});
+  const LiveLinkOptions options = {encodeProblem(problem_), endpoint, here};
+  const auto trouble = [&] {
+    LiveLink link(touch_, options);
+    link.waitUntilReady(std::chrono::minutes(1));
+    return link.trouble();
+  };
+  EXPECT_THAT(trouble(), testing::HasSubstr("palpate key trust"));
+  here.trust(server, "*");
+  EXPECT_THAT(trouble(), testing::HasSubstr("palpate key allow"));
+  there.allow({client, Roles::system_operator, ""});
+  {
+    LiveLink link(touch_, options);  // the live solver reads its keys from time to time
+    EXPECT_TRUE(pressUntil([&] { return link.statistics().answers > 0; })) << link.trouble();
+  }
+  EXPECT_EQ(trouble(), "") << "the client before has left";
 }
 
 }  // namespace

@@ -114,6 +114,18 @@ TEST_F(FollowServerTest, RefusesASecondClientUntilTheFirstIsSilent) {
   EXPECT_TRUE(follow(first, hand_).has_followed());
 }
 
+TEST_F(FollowServerTest, AcceptsAnotherClientAfterAGoodbye) {
+  zmq::socket_t first = client(), second = client();
+  const std::string problem = encodeProblem(problem_);
+  ASSERT_TRUE(begin(first, problem).has_follow_reply());
+  wire::Message farewell;
+  farewell.mutable_goodbye();
+  EXPECT_EQ(sendMessage(first, "", farewell), Sent::yes);
+  server_.turn(1s);
+  EXPECT_TRUE(begin(second, problem).has_follow_reply());
+  EXPECT_FALSE(follow(first, hand_).has_followed());
+}
+
 TEST_F(FollowServerTest, RefusesAnotherProtocolAndADamagedProblem) {
   zmq::socket_t socket = client();
   const std::string problem = encodeProblem(problem_);
