@@ -149,9 +149,6 @@ void refuseTakenPath(const std::string& endpoint) {
   const std::string path = endpoint.substr(ipc.size());
   // A path that begins with @ is not a file. For the path *, libzmq chooses a new file.
   if (path.starts_with('@') || path == "*") return;
-  if (path.size() >= sizeof(sockaddr_un::sun_path))
-    throw badInput("{}: the path is too long for a socket; it may have at most {} bytes", endpoint,
-                   sizeof(sockaddr_un::sun_path) - 1);
   struct stat info {};
   if (lstat(path.c_str(), &info) != 0) return;
   if (!S_ISSOCK(info.st_mode))
@@ -380,7 +377,13 @@ zmq::socket_t makeDealer(zmq::context_t& context) {
 }
 
 void checkEndpoint(const std::string& endpoint) {
-  if (endpoint.starts_with("ipc://")) return;
+  if (endpoint.starts_with("ipc://")) {
+    if (endpoint.size() < 6 + sizeof sockaddr_un::sun_path) return;
+    throw badInput(
+        "{}: the path is too long for a socket; choose one of at most {} bytes (TMPDIR sets the "
+        "folder of temporary files)",
+        endpoint, sizeof sockaddr_un::sun_path - 1);
+  }
   if (endpoint.starts_with("tcp://")) {
     const auto [host, port] = hostAndPort(endpoint);
     if (!host.empty() && (port == "*" || numberIn<std::uint16_t>(port).value_or(0) > 0)) return;

@@ -32,6 +32,7 @@ TEST(Endpoint, IsRefusedWithAnExampleIfInvalid) {
        {"", "localhost:7411", "http://localhost:7411", "tcp://", "tcp://localhost", "tcp://:7411",
         "tcp://localhost:", "tcp://localhost:99999", "tcp://localhost:7411x"})
     expectBadInput([&] { checkEndpoint(bad); }, {"tcp://HOST:PORT"});
+  expectBadInput([&] { checkEndpoint("ipc:///" + std::string(107, 'x')); }, {"107"});
 }
 
 /// Returns whether messages of `dealer` to `endpoint` reach `router`.
