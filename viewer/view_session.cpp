@@ -67,8 +67,11 @@ class ViewSession {
     device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile(),
                                            options_.keys, options_.hand_speed, options_.real_time});
     makeTick();
-    if (!options_.record.empty())
-      recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));
+    if (!options_.record.empty()) {
+      RecordedRun run = describeRun(loaded_->pointers(), *device_, tick_->options());
+      if (live_) run.models.front().build = build_id_;
+      recorder_.emplace(std::move(run));
+    }
     ticks_ = std::llround(options_.duration * options_.rate);
     // A replay ends together with its recording.
     if (ticks_ == 0) ticks_ = device_->readings();

@@ -32,15 +32,18 @@ class LiveTest : public ::testing::Test {
     writeScene("stiff.toml", 2600);
     writeScene("fine.toml", 1300, 0.002);
     writeScene("wide.toml", 1300, 0.012, 0.06);
+    test::writeGmsh22(test::cubeMesh(0.2, 5), *directory_ / "large.msh");
+    writeScene("large.toml", 1300, 0.012, 0.06, "large.msh");
     Process build("palpate-scheduler", {"build", "cube.toml", "-o", "cube.h5", "-j", "1"},
                   directory_->path());
     ASSERT_EQ(build.wait(), 0) << build.output();
   }
   static void TearDownTestSuite() { directory_.reset(); }
 
-  static void writeScene(const char* file, double c10, double spacing = 0.012, double area = 0.02) {
+  static void writeScene(const char* file, double c10, double spacing = 0.012, double area = 0.02,
+                         const char* mesh = "cube.msh") {
     std::ofstream(*directory_ / file)
-        << "name = \"cube\"\nmesh = \"cube.msh\"\n"
+        << "name = \"cube\"\nmesh = \"" << mesh << "\"\n"
         << "[material]\nlaw = \"mooney-rivlin\"\nc10 = " << c10 << "\nc01 = 1280.0\n"
         << "[fixed]\nbelow = { axis = \"z\", fraction = 0.05 }\n"
         << "[[active]]\nname = \"top\"\ntool = \"finger\"\nradius = 0.03\n"
@@ -99,6 +102,11 @@ class LiveTest : public ::testing::Test {
       if (touching[n] != 0 && touching[n - 1] == 0) computed.push_back(inside[n] != 0);
     return computed;
   }
+  static test::CommandResult reported(const char* recording, const char* scene) {
+    return test::runCommand(fmt::format("cd '{}' && " PALPATE_BIN_DIR
+                                        "/palpate-answers report {} {} --json",
+                                        directory_->path().string(), recording, scene));
+  }
   /// Returns the answer of `palpate solve`. more: further options.
   static nlohmann::json solve(const char* scene, const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                               const std::string& more = "") {
@@ -145,14 +153,9 @@ TEST_F(LiveTest, AHandFeelsWhatTheSolverFindsAroundIt) {
 TEST_F(LiveTest, AReportComparesARecordedRunWithExactSolutions) {
   auto run = view({"--live", "cube.toml", "--duration", "3", "--record", "told.h5"});
   ASSERT_EQ(run->wait(), 0) << run->output();
-  const auto reported = [](const char* scene) {
-    const test::CommandResult done = test::runCommand(
-        fmt::format("cd '{}' && " PALPATE_BIN_DIR "/palpate-answers report told.h5 {} --json",
-                    directory_->path().string(), scene));
-    EXPECT_EQ(done.exit_code, 0) << done.output;
-    return nlohmann::json::parse(done.output);
-  };
-  const nlohmann::json report = reported("cube.toml");
+  const test::CommandResult done = reported("told.h5", "cube.toml");
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  const auto report = nlohmann::json::parse(done.output);  // without a warning
   const std::size_t touching = touchesIn("told.h5").time.size();
   const std::size_t compared = std::min<std::size_t>(touching, 1000);
   EXPECT_EQ(report.at("touching"), touching);
@@ -167,7 +170,13 @@ TEST_F(LiveTest, AReportComparesARecordedRunWithExactSolutions) {
   EXPECT_LT(report.at("all").at("relative").at("median"), 0.02);
   EXPECT_GT(report.at("all").at("within_target"), 0.8);
   // The tissue of this scene is about 1.5 times as stiff as the tissue that was felt.
-  EXPECT_GT(reported("stiff.toml").at("all").at("relative").at("median"), 0.2);
+  const test::CommandResult stiff = reported("told.h5", "stiff.toml");
+  ASSERT_EQ(stiff.exit_code, 0) << stiff.output;
+  const std::size_t begin = stiff.output.find("\n{");
+  ASSERT_NE(begin, std::string::npos) << "a warning comes first: " << stiff.output;
+  EXPECT_GT(nlohmann::json::parse(stiff.output.substr(begin)).at("all").at("relative").at("median"),
+            0.2);
+  EXPECT_EQ(reported("told.h5", "large.toml").exit_code, 2) << "another body";
 }
 
 TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {
@@ -212,12 +221,6 @@ TEST_F(LiveTest, ARecordingMovesASecondFinger) {
   }
   EXPECT_EQ(press("cube.h5", 0.05, "none.h5", {"--hold", "first.h5"}), 2) << "not solved live";
   EXPECT_EQ(press("wide.toml", 0.05, "none.h5", {"--hold", "first.h5", "--rate", "500"}), 2);
-  test::writeGmsh22(test::cubeMesh(0.2, 5), *directory_ / "large.msh");
-  EXPECT_EQ(test::runCommand(fmt::format("cd '{}' && sed s/cube.msh/large.msh/ wide.toml > "
-                                         "large.toml",
-                                         directory_->path().string()))
-                .exit_code,
-            0);
   EXPECT_EQ(press("large.toml", 0.05, "none.h5", {"--hold", "first.h5"}), 2) << "another body";
 }
 

@@ -95,10 +95,12 @@ std::string jsonOf(const std::vector<std::string>& texts) {
 
 void writeRun(Writer& out, const RecordedRun& run) {
   const auto idOf = [](const RecordedModel& model) { return model.dataset.hex(); };
+  const auto buildOf = [](const RecordedModel& model) { return model.build.hex(); };
   const auto& [period, contact, guard, map, holds] = run.options;
   out.setText("/", "format", format_word);
   out.setText("/", "datasets", jsonOf(mapped(run.models, &RecordedModel::file)));
   out.setText("/", "content_ids", jsonOf(mapped(run.models, idOf)));
+  out.setText("/", "build_ids", jsonOf(mapped(run.models, buildOf)));
   out.setText("/", "models", jsonOf(mapped(run.models, &RecordedModel::name)));
   out.setText("/", "methods", jsonOf(run.methods));
   out.setText("/", "device", run.device);
@@ -157,6 +159,18 @@ DeviceProfile readProfile(const Reader& in) {
           readNotNegative(in, "profile_workspace_radius")};
 }
 
+std::vector<ContentId> readBuilds(const Reader& in) {
+  if (!in.hasAttribute("build_ids")) return {};
+  std::vector<ContentId> builds;
+  const auto list = nlohmann::json::parse(in.text("build_ids"), nullptr, false);
+  for (const nlohmann::json& entry : list) {
+    const auto id = ContentId::fromHex(entry.is_string() ? entry.get<std::string>() : "");
+    if (!id) throw in.damaged("build_ids", "is not a list of ids");
+    builds.push_back(*id);
+  }
+  return builds;
+}
+
 std::vector<RecordedTouch> readTouches(const Reader& in, std::size_t ticks) {
   const auto vectors = [&](const char* path) { return in.readList<Eigen::Vector3d>(path, ticks); };
   const auto tools = vectors("/tool/position"), anchors = vectors("/contact/anchor"),
@@ -181,7 +195,7 @@ RecordedRun describeRun(const std::vector<const HapticModel*>& models, const Hap
   PALPATE_ASSERT(!models.empty(), "at least one dataset must be given");
   std::vector<RecordedModel> recorded;
   for (const HapticModel* model : models)
-    recorded.push_back({model->name(), model->file(), model->contentId()});
+    recorded.push_back({model->name(), model->file(), model->contentId(), model->buildId()});
   return {recorded,         models.front()->methods(), device.name(),
           device.profile(), device.livesInScene(),     options};
 }
@@ -245,7 +259,7 @@ Recording readRecording(const std::filesystem::path& file) {
   const std::vector<std::int32_t> frame = in.integers("scene_frame");
   if (frame != std::vector{0} && frame != std::vector{1})
     throw in.damaged("scene_frame", "is neither 0 nor 1");
-  Recording recording{1 / period, frame[0] == 1, readProfile(in), {}, {}};
+  Recording recording{1 / period, frame[0] == 1, readProfile(in), readBuilds(in), {}, {}};
   const auto positions = in.readList<Eigen::Vector3d>("/device/position");
   const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());

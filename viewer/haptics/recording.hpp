@@ -12,9 +12,10 @@ namespace palpate {
 
 /// One dataset of a run.
 struct RecordedModel {
-  std::string name;   ///< name of the scene
-  std::string file;   ///< path of the dataset, as the user gave it
-  ContentId dataset;  ///< content id of the dataset; the file may have been replaced since
+  std::string name;      ///< name of the scene
+  std::string file;      ///< path of the dataset, as the user gave it
+  ContentId dataset;     ///< content id of the dataset; the file may have been replaced since
+  ContentId build = {};  ///< problemId of its scene, or of the scene that a live solver follows
 };
 
 /// Setup of a run, sufficient to repeat it.
@@ -77,8 +78,8 @@ class Recorder {
   ///   /workspace/origin     float64  3     m
   ///
   /// Attributes of the root: format "palpate-recording", format_version 1; datasets, content_ids,
-  /// models, methods (JSON lists of text), device, profile, contact_mode (text), all other options
-  /// (numbers).
+  /// build_ids, models, methods (JSON lists of text), device, profile, contact_mode (text), all
+  /// other options (numbers).
   void save(const std::filesystem::path& file) const;
 
  private:
@@ -110,6 +111,7 @@ struct Recording {
   double rate = 0;                      ///< Hz
   bool scene_frame = false;             ///< positions are in the scene's frame, not the device's
   DeviceProfile profile;                ///< limits of the device; named "replay" if unknown
+  std::vector<ContentId> builds;        ///< RecordedModel::build; empty in old recordings
   std::vector<DeviceReading> readings;  ///< positions may be any number, also NaN
   std::vector<RecordedTouch> touches;   ///< one per tick
 };

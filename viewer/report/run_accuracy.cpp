@@ -1,5 +1,7 @@
 #include "viewer/report/run_accuracy.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,7 +15,8 @@
 #include "common/base/foreign_program.hpp"
 #include "common/base/index.hpp"
 #include "common/base/program.hpp"
-#include "common/scene/scene.hpp"
+#include "common/mesh/surface_point.hpp"
+#include "common/problem/problem.hpp"
 #include "viewer/haptics/recording.hpp"
 
 namespace palpate {
@@ -27,6 +30,9 @@ constexpr double contact_beginning = 0.3;
 constexpr double speed_time = 0.02;
 constexpr double speed_ends[] = {0.005, 0.01, 0.02, 0.05, 0.1, 0.2};  // m/s
 constexpr std::chrono::hours solve_patience{2};
+
+/// Largest distance of a recorded anchor from its body, m: of rounding.
+constexpr double on_surface = 1e-9;
 
 bool isFinite(const RecordedTouch& touch) {
   return touch.anchor.allFinite() && touch.displacement.allFinite() && touch.force.allFinite();
@@ -72,6 +78,25 @@ std::vector<std::optional<Eigen::Vector3d>> exactForces(const std::vector<Record
   return forces;
 }
 
+/// Refuses a run that touches another body. Warns if anything else differs from its scene.
+void checkScene(const std::filesystem::path& recording, const Recording& run,
+                const std::vector<std::size_t>& chosen, const std::filesystem::path& scene,
+                const Problem& problem) {
+  for (const std::size_t n : chosen) {
+    const Eigen::Vector3d& anchor = run.touches[n].anchor;
+    const Eigen::Vector3d nearest =
+        positionOf(problem.mesh, nearestOnSurface(problem.mesh, anchor));
+    if (!((nearest - anchor).norm() <= on_surface))
+      throw badInput("{}: tick {} touches another body than that of {}; give the scene of this run",
+                     recording.string(), n + 1, scene.string());
+  }
+  if (!run.builds.empty() && std::ranges::find(run.builds, problemId(problem)) == run.builds.end())
+    spdlog::warn(
+        "{}: {} has changed since this run, or is another scene; if its material, fixed nodes or "
+        "fingers differ, the errors include this",
+        recording.string(), scene.string());
+}
+
 /// Returns the ticks in which one finger touches, at most most_compared of them, evenly spread.
 std::vector<std::size_t> chosenTicks(const std::vector<RecordedTouch>& touches) {
   std::vector<std::size_t> touching, chosen;
@@ -102,7 +127,8 @@ std::vector<RunInterval> measureIntervals(const RunAccuracy& run, std::span<cons
 
 RunAccuracy measureRun(const std::filesystem::path& recording, const std::filesystem::path& scene) {
   const Scene read = readScene(scene);
-  const std::vector<RecordedTouch> touches = readRecording(recording).touches;
+  const Recording recorded = readRecording(recording);
+  const std::vector<RecordedTouch>& touches = recorded.touches;
   RunAccuracy run;
   run.recording = recording;
   run.scene = read.name;
@@ -117,6 +143,8 @@ RunAccuracy measureRun(const std::filesystem::path& recording, const std::filesy
   const std::vector<std::size_t> chosen = chosenTicks(touches);
   if (chosen.empty())
     throw badInput("{}: nothing was touched by one finger alone in this run", recording.string());
+  const Problem problem = loadProblem(scene);
+  checkScene(recording, recorded, chosen, scene, problem);
   const auto exact = exactForces(mapped(chosen, [&](std::size_t n) { return touches[n]; }), scene);
   std::vector<ForceComparison> all;
   for (std::size_t c = 0; c < chosen.size(); ++c) {

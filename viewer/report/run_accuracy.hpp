@@ -39,8 +39,9 @@ struct RunAccuracy {
 };
 
 /// Solves touches of a recorded run exactly, by `palpate solve`, on the path from rest. Takes
-/// seconds to minutes. Throws Error (bad input) if a file is not what it should be or nothing was
-/// touched, and the errors of the solve (a scene with several tools).
+/// seconds to minutes. Logs a warning if the run belongs to another version of the scene. Throws
+/// Error (bad input) if a file is not what it should be, the run touches another body or nothing,
+/// and the errors of the solve (a tool that is not a finger).
 RunAccuracy measureRun(const std::filesystem::path& recording, const std::filesystem::path& scene);
 
 }  // namespace palpate

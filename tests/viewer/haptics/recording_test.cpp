@@ -34,8 +34,8 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 RecordedRun someRun() {
   RecordedRun run;
-  run.models = {{"liver", "soft liver.h5", ContentId::of("soft")},
-                {"liver", "stiff.h5", ContentId::of("b")}};
+  run.models = {{"liver", "soft liver.h5", ContentId::of("soft"), ContentId::of("scene")},
+                {"liver", "stiff.h5", ContentId::of("b"), ContentId::of("other")}};
   run.methods = {"potential", "trilinear"};
   run.device = "virtual hand";
   run.profile = {"omega", 12, 5000, 0.075};
@@ -258,6 +258,8 @@ TEST(Recording, RecordsTheSettingsOfTheRun) {
   EXPECT_EQ(in.text("datasets"), R"(["soft liver.h5","stiff.h5"])");
   EXPECT_EQ(in.text("content_ids"), fmt::format(R"(["{}","{}"])", wanted.models[0].dataset.hex(),
                                                 wanted.models[1].dataset.hex()));
+  EXPECT_EQ(readRecording(folder / "run.h5").builds,
+            (std::vector{ContentId::of("scene"), ContentId::of("other")}));
   EXPECT_EQ(in.text("methods"), R"(["potential","trilinear"])");
   EXPECT_EQ(in.text("device"), "virtual hand");
   EXPECT_EQ(in.text("profile"), "omega");
