@@ -32,6 +32,10 @@ class LiveTest : public ::testing::Test {
     writeScene("stiff.toml", 2600);
     writeScene("fine.toml", 1300, 0.002);
     writeScene("wide.toml", 1300, 0.012, 0.06);
+    writeScene("areas.toml", 1300);
+    std::ofstream(*directory_ / "areas.toml", std::ios::app)
+        << "[[active]]\nname = \"side\"\ntool = \"finger\"\nradius = 0.03\n"
+        << "surface = { sphere = { center = [0.1, 0.05, 0.05], radius = 0.02 } }\n";
     test::writeGmsh22(test::cubeMesh(0.2, 5), *directory_ / "large.msh");
     writeScene("large.toml", 1300, 0.012, 0.06, "large.msh");
     Process build("palpate-scheduler", {"build", "cube.toml", "-o", "cube.h5", "-j", "1"},
@@ -177,6 +181,13 @@ TEST_F(LiveTest, AReportComparesARecordedRunWithExactSolutions) {
   EXPECT_GT(nlohmann::json::parse(stiff.output.substr(begin)).at("all").at("relative").at("median"),
             0.2);
   EXPECT_EQ(reported("told.h5", "large.toml").exit_code, 2) << "another body";
+}
+
+TEST_F(LiveTest, AReportSolvesEachTouchWithTheFingerOfItsArea) {
+  ASSERT_EQ(press("areas.toml", 0.05, "areas.h5"), 0);
+  const test::CommandResult done = reported("areas.h5", "areas.toml");
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_GT(nlohmann::json::parse(done.output).at("all").at("count"), 500);
 }
 
 TEST_F(LiveTest, AHandFeelsASceneThatNobodyHasBuilt) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -50,21 +51,23 @@ double speedAt(const std::vector<RecordedTouch>& touches, std::size_t n) {
   return seconds > 0 ? (touches[last].tool - touches[first].tool).norm() / seconds : 0;
 }
 
-/// Returns the exact forces on the tool, N; no value where there is no solution.
-std::vector<std::optional<Eigen::Vector3d>> exactForces(const std::vector<RecordedTouch>& touches,
-                                                        const std::filesystem::path& scene) {
+using Forces = std::vector<std::optional<Eigen::Vector3d>>;
+
+/// Returns the exact forces on the tool `active`, N; no value where there is no solution.
+Forces solvedForces(const std::vector<RecordedTouch>& touches, const std::filesystem::path& scene,
+                    const std::string& active) {
   std::string lines;
   for (const RecordedTouch& touch : touches)
     lines +=
         fmt::format("{} {}\n", fmt::join(touch.anchor, " "), fmt::join(touch.displacement, " "));
-  const Ran solved =
-      runToItsEnd({.words = {programBeside("palpate-worker").string(), "solve", "--quiet",
-                             scene.string(), "--at", "-", "--displacement", "-", "--json"},
-                   .package = "palpate",
-                   .input = std::move(lines),
-                   .patience = solve_patience,
-                   .heeds_interrupts = true});
-  std::vector<std::optional<Eigen::Vector3d>> forces;
+  const Ran solved = runToItsEnd(
+      {.words = {programBeside("palpate-worker").string(), "solve", "--quiet", scene.string(),
+                 "--active", active, "--at", "-", "--displacement", "-", "--json"},
+       .package = "palpate",
+       .input = std::move(lines),
+       .patience = solve_patience,
+       .heeds_interrupts = true});
+  Forces forces;
   std::istringstream answers(solved.out);
   for (std::string line; std::getline(answers, line);) {
     const auto answer = nlohmann::json::parse(line);
@@ -76,6 +79,31 @@ std::vector<std::optional<Eigen::Vector3d>> exactForces(const std::vector<Record
     throw failure("{}: {} of {} touches were solved: {}", scene.string(), forces.size(),
                   touches.size(), solved.err);
   return forces;
+}
+
+/// Returns the name of the active node or area whose finger is nearest to a place at rest.
+std::string fingerAt(const Problem& problem, const Eigen::Vector3d& place) {
+  const auto distance = [&](const ActivePatch& patch) {
+    return patch.finger && !patch.probe ? (patch.finger->center - place).norm() : INFINITY;
+  };
+  const auto nearest = std::ranges::min_element(problem.active, {}, distance);
+  const ActiveSelection& active = problem.scene.active[at(nearest - problem.active.begin())];
+  return active.area.empty() ? active.name : active.area;
+}
+
+/// As solvedForces(), each touch by the finger that is nearest to it.
+Forces exactForces(const std::vector<RecordedTouch>& touches, const Problem& problem,
+                   const std::filesystem::path& scene) {
+  std::map<std::string, std::vector<std::size_t>> fingers;
+  for (std::size_t n = 0; n < touches.size(); ++n)
+    fingers[fingerAt(problem, touches[n].anchor)].push_back(n);
+  Forces exact(touches.size());
+  for (const auto& [finger, chosen] : fingers) {
+    const Forces solved =
+        solvedForces(mapped(chosen, [&](std::size_t n) { return touches[n]; }), scene, finger);
+    for (std::size_t n = 0; n < chosen.size(); ++n) exact[chosen[n]] = solved[n];
+  }
+  return exact;
 }
 
 /// Refuses a run that touches another body. Warns if anything else differs from its scene.
@@ -145,7 +173,8 @@ RunAccuracy measureRun(const std::filesystem::path& recording, const std::filesy
     throw badInput("{}: nothing was touched by one finger alone in this run", recording.string());
   const Problem problem = loadProblem(scene);
   checkScene(recording, recorded, chosen, scene, problem);
-  const auto exact = exactForces(mapped(chosen, [&](std::size_t n) { return touches[n]; }), scene);
+  const Forces exact =
+      exactForces(mapped(chosen, [&](std::size_t n) { return touches[n]; }), problem, scene);
   std::vector<ForceComparison> all;
   for (std::size_t c = 0; c < chosen.size(); ++c) {
     const RecordedTouch& touch = touches[chosen[c]];
