@@ -217,6 +217,7 @@ Json toJson(const RunAccuracy& run) {
           {"scene", run.scene},
           {"ticks", run.ticks},
           {"touching", run.touching},
+          {"held", run.held},
           {"unsolved", run.unsolved},
           {"target", toJson(run.target)},
           {"relative_error_floor", relative_error_floor},

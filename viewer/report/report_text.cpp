@@ -200,6 +200,9 @@ std::string textOf(const RunAccuracy& run) {
       "{}: {}, {} of them touch; {} compared with exact solutions of {}{}", run.recording.string(),
       counted(run.ticks, "tick"), run.touching, run.compared.size(), run.scene,
       run.unsolved > 0 ? fmt::format(", {} have none", run.unsolved) : ""));
+  if (run.held > 0)
+    text += wrapped(fmt::format("{} left out, because a second finger held the body",
+                                counted(run.held, "tick")));
   text += "\n" + fmt::format(run_row, "", "ticks", "error, %", "95 %", "in target", "bound holds",
                              "bound / error");
   text += runLine("all", run.all);

@@ -165,6 +165,7 @@ RunAccuracy measureRun(const std::filesystem::path& recording, const std::filesy
   std::vector<double> contact_began(touches.size());
   for (std::size_t n = 0; n < touches.size(); ++n) {
     run.touching += touches[n].touching;
+    run.held += touches[n].touching && touches[n].held;
     const bool goes_on = n > 0 && touches[n - 1].touching;
     contact_began[n] = goes_on ? contact_began[n - 1] : touches[n].time;
   }

@@ -30,6 +30,7 @@ struct RunAccuracy {
   AccuracyTarget target;     ///< that of the scene, or else a default
   std::size_t ticks = 0;     ///< number of recorded ticks
   std::size_t touching = 0;  ///< number of ticks that touch
+  std::size_t held = 0;      ///< number of these ticks that a second finger held; not compared
   std::size_t unsolved = 0;  ///< number of chosen ticks without an exact solution
   std::vector<ComparedTick> compared;
   ErrorMeasures all;

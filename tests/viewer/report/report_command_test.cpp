@@ -14,7 +14,10 @@
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/fields/field_choice.hpp"
+#include "viewer/report/report_json.hpp"
+#include "viewer/report/report_text.hpp"
 #include "viewer/report/report_words.hpp"
+#include "viewer/report/run_accuracy.hpp"
 
 namespace palpate {
 namespace {
@@ -372,6 +375,13 @@ TEST_F(ReportCommand, RefusesARunThatIsNone) {
   expectBadInput([&] { text(); }, {"sample.h5", "not a recording"});
   options.report.methods = {"potential"};
   expectBadInput([&] { text(); }, {"--methods"});
+}
+
+TEST(RunReport, SaysHowManyTicksASecondFingerLeavesOut) {
+  RunAccuracy run;
+  run.held = 2288;
+  EXPECT_EQ(toJson(run).at("held"), 2288);
+  EXPECT_THAT(textOf(run), HasSubstr("2288"));
 }
 
 TEST_F(ReportCommand, NeverReplacesADatasetByItsPage) {

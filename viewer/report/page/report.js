@@ -1279,12 +1279,13 @@ const intervalRows = (name, scale, intervals) => intervals.map(({ from, to, erro
   share(errors.within_target), share(errors.bound_holds), number(errors.bound_over_error)]));
 
 function runPage() {
-  const { all, times, in_contact: inContact, speeds, target, touching, unsolved } = report;
+  const { all, times, in_contact: inContact, speeds, target, touching, held, unsolved } = report;
   const none = unsolved ? `, and ${unsolved} more have no exact solution` : "";
+  const leftOut = held ? ` ${count(held)} are left out, because a second finger held the body.` : "";
   return {
     lead: [html`<p class="lead">${report.recording}: ${count(report.ticks)} ticks,
 ${count(touching)} of them touch. Of these, ${all.count} are compared with exact solutions on the
-path from rest${none}.</p>`, cards("Recorded forces, before the guard", [
+path from rest${none}.${leftOut}</p>`, cards("Recorded forces, before the guard", [
       [number(100 * all.relative.median) + " %", "median error"],
       [share(all.within_target), `of ticks within max(${share(target.force_error)} of the force,
 ${number(target.force_floor)} N)`],
