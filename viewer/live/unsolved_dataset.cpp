@@ -31,6 +31,11 @@ UnsolvedDataset::UnsolvedDataset(Problem whole) {
           "scene \"{}\": active \"{}\" is not a finger; a scene without a dataset can be touched "
           "only by fingers (tool = \"finger\")",
           problem.scene.name, patch.name);
+    if (patch.finger->radius != problem.active.front().finger->radius)
+      throw badInput(
+          "scene \"{}\": its fingers have several radii; a scene without a dataset can be touched "
+          "only by fingers of one radius",
+          problem.scene.name);
     SpaceTable& space = spaces.emplace_back();
     space.patch = patch;
     space.lattice = uniformLattice(problem.scene, patch);

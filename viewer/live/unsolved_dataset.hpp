@@ -9,7 +9,8 @@ namespace palpate {
 /// as possible. HapticModelOptions::guess lets a hand touch it. The destructor removes the file.
 class UnsolvedDataset {
  public:
-  /// Error (bad input) if a tool of the scene is not a finger. Error if the file cannot be written
+  /// Error (bad input) if a tool of the scene is not a finger, or if its fingers have several
+  /// radii. Error if the file cannot be written
   /// in the directory for temporary files.
   explicit UnsolvedDataset(Problem problem);
 

@@ -59,5 +59,11 @@ TEST(UnsolvedDataset, NeedsAFinger) {
       {"tip", "finger"});
 }
 
+TEST(UnsolvedDataset, NeedsFingersOfOneRadius) {
+  Problem problem = test::FingerBody().problem;
+  problem.active.back().finger->radius *= 0.9;
+  test::expectBadInput([&] { UnsolvedDataset unsolved(problem); }, {problem.scene.name, "radii"});
+}
+
 }  // namespace
 }  // namespace palpate
