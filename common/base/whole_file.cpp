@@ -149,6 +149,9 @@ void syncFolder(const std::filesystem::path& folder) {
 }
 
 void refuseUnwritable(const std::filesystem::path& file, const char* option) {
+  std::error_code ignored;  // whatever cannot be looked at is no directory
+  if (std::filesystem::is_directory(file, ignored))
+    throw failure("{} {}: is a directory; add the name of a file", option, file.string());
   const std::filesystem::path target = linkTarget(file);
   const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
   if (access(folder.c_str(), W_OK | X_OK) != 0)

@@ -48,9 +48,9 @@ bool writeAt(int descriptor, std::uint64_t offset, std::string_view bytes);
 /// a power failure. Error if the disk fails.
 void syncFolder(const std::filesystem::path& folder);
 
-/// Error unless the folder of `file` exists and is writable. Call this before hours of work, so
-/// that the result can be written. `option` is the command-line option that the message suggests
-/// for choosing another file.
+/// Error if `file` is a directory, or unless its folder exists and is writable. Call this before
+/// hours of work, so that the result can be written. `option` is the command-line option that the
+/// message suggests for choosing another file.
 void refuseUnwritable(const std::filesystem::path& file, const char* option);
 
 /// Error (bad input) if `file`, which is about to be written, is one of the inputs, even under

@@ -71,6 +71,8 @@ TEST_F(ReplacedFile, IsTheTargetOfALink) {
 TEST_F(ReplacedFile, MustBeReachableThroughItsLinks) {
   std::filesystem::create_symlink("nowhere/data", link);
   test::expectError(ExitCode::failed, [&] { refuseUnwritable(link, "-o"); }, {"nowhere", "-o"});
+  test::expectError(ExitCode::failed, [&] { refuseUnwritable(file.parent_path(), "-o"); },
+                    {file.parent_path().string(), "-o"});
   std::filesystem::create_symlink("file", file);
   test::expectError(ExitCode::failed, [&] { replaceFile(file, "", "text"); }, {"loop"});
 }
