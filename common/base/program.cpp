@@ -83,6 +83,10 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
   } catch (const Error& error) {
     tellError(verb, error.what());
     return error.exitCode();
+  } catch (const std::bad_alloc&) {
+    tellError(verb,
+              "out of memory; close other programs, raise the memory limit, or use a coarser mesh");
+    return ExitCode::failed;
   } catch (const std::exception& error) {
     tellError(verb, std::string("unexpected: ") + error.what());
     return ExitCode::failed;

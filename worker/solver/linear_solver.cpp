@@ -40,8 +40,8 @@ void refuseWithoutMemory(int infog1, int infog2) {
   // A negative INFOG(2) is a number of millions (MUMPS manual).
   const double numbers = infog2 >= 0 ? infog2 : -1e6 * infog2;
   throw failure(
-      "out of memory: MUMPS could not allocate {:.3g} numbers (INFOG(1) = {}): give this process "
-      "more memory, or start fewer workers on this machine",
+      "out of memory: the linear solver could not allocate {:.3g} numbers (MUMPS INFOG(1) = {}); "
+      "close other programs, start fewer workers, raise the memory limit, or use a coarser mesh",
       numbers, infog1);
 }
 
