@@ -51,18 +51,6 @@ struct SolveOptions {
   }
 };
 
-/// Refuses displacements so large that the tool would leave the body. The user has probably used
-/// another unit.
-void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacement) {
-  const double diagonal = boundingBox(problem.mesh).diagonal().norm();
-  if (displacement.stableNorm() > 3 * diagonal)
-    throw badInput(
-        "displacement ({}) m is more than 3 times the diagonal of the body's bounding box "
-        "({:.4g} m); "
-        "displacements are in metres",
-        vectorText(displacement, 6), diagonal);
-}
-
 /// Solves along the straight path from `start` to `target`; by default with one transition per
 /// lattice spacing. A `start` of nullopt has the failure `why`.
 Reached solveFrom(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
@@ -114,7 +102,7 @@ class Solving {
   }
 
   Reached at(const Eigen::Vector3d& displacement) {
-    refuseMistakenUnit(problem_, displacement);
+    refuseMistakenUnit(problem_.mesh, displacement);
     Failure failure;
     std::optional<Start> start;
     Cost spent;
@@ -135,7 +123,7 @@ class Solving {
   /// Presses the second finger into the body alone.
   Reached hold() {
     const Eigen::Vector3d near(options_.hold.data()), displacement(options_.hold.data() + 3);
-    refuseMistakenUnit(problem_, displacement);
+    refuseMistakenUnit(problem_.mesh, displacement);
     solver_.letGo();
     solver_.placeFinger("--hold", fingerNear("--hold", problem_.mesh, near, finger()->radius));
     Failure failure;

@@ -238,7 +238,8 @@ std::optional<wire::Message> LiveLink::ask(const wire::Message& question, std::s
     if (auto incoming = receiveMessage(socket_, false)) return std::move(incoming->message);
     if (question.has_hand_motion() && unsolved_ < most_unsolved &&
         Clock::now() - began > late_after)
-      tell("live solving is late: the hand moves faster than the solver can follow");
+      tell(
+          "live solving is late: the solver needs longer than the hand or the second finger allows");
   }
   return std::nullopt;
 }

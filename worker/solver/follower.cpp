@@ -19,7 +19,7 @@ constexpr double newest_share = 0.3;
 /// Distance from the last equilibrium, in finger radii, beyond which the path from rest is shorter
 /// than the path along the surface.
 constexpr double far_away = 2;
-constexpr const char* finger_name = "hand";  ///< in messages
+constexpr const char *hand_name = "the hand", *hold_name = "the hold";  ///< in messages
 
 }  // namespace
 
@@ -57,8 +57,8 @@ Reached Follower::pathFrom(const Start& start, const Eigen::Vector3d& target) {
               Rescue::none);
 }
 
-Reached Follower::fromRest(const Finger& finger, const Eigen::Vector3d& target) {
-  solver_.placeFinger(finger_name, finger);
+Reached Follower::fromRest(const char* name, const Finger& finger, const Eigen::Vector3d& target) {
+  solver_.placeFinger(name, finger);
   Reached reached;
   const auto rest = solver_.startAtRest(reached.outcome.failure());
   return rest ? pathFrom(*rest, target) : reached;
@@ -69,9 +69,9 @@ Reached Follower::fromRest(const Finger& finger, const HandMotion& aim) {
   // the last equilibrium would then have the equations of its hold.
   if (aim.hold || hold_) release();
   solver_.letGo();
-  if (!aim.hold) return fromRest(finger, aim.displacement);
-  const Finger holding = fingerNear("the hold", problem_.mesh, aim.hold->place, radius_);
-  Reached held = fromRest(holding, aim.hold->displacement);
+  if (!aim.hold) return fromRest(hand_name, finger, aim.displacement);
+  const Finger holding = fingerNear(hold_name, problem_.mesh, aim.hold->place, radius_);
+  Reached held = fromRest(hold_name, holding, aim.hold->displacement);
   if (!held.outcome.converged()) return held;
   Failure failure;
   const auto start = solver_.hold(*held.end, finger, failure);
@@ -99,7 +99,9 @@ Followed Follower::follow(const HandMotion& hand) {
 }
 
 Followed Follower::solveAt(const HandMotion& aim) {
-  const Finger finger = fingerNear(finger_name, problem_.mesh, aim.place, radius_);
+  refuseMistakenUnit(problem_.mesh, aim.displacement);
+  if (aim.hold) refuseMistakenUnit(problem_.mesh, aim.hold->displacement);
+  const Finger finger = fingerNear(hand_name, problem_.mesh, aim.place, radius_);
   Reached reached;
   Cost spent;
   if (isNear(aim)) {

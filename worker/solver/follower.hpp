@@ -20,7 +20,7 @@ class Follower {
   /// from the last equilibrium, if a hold begins, ends or moves to another place, or if the
   /// transition from the last equilibrium fails. From rest, the hold comes first and then the hand.
   /// Error (bad input) if no finger can be at the hand's place or that of the hold, for instance
-  /// beside fixed nodes.
+  /// beside fixed nodes, or if a displacement is larger than the body.
   Followed follow(const HandMotion& hand);
 
   /// Forgets the last equilibrium. Call it when the hand has left the body.
@@ -31,7 +31,7 @@ class Follower {
   Followed solveAt(const HandMotion& aim);
   bool isNear(const HandMotion& aim) const;
   Reached pathFrom(const Start& start, const Eigen::Vector3d& target);
-  Reached fromRest(const Finger& finger, const Eigen::Vector3d& target);
+  Reached fromRest(const char* name, const Finger& finger, const Eigen::Vector3d& target);
   Reached fromRest(const Finger& finger, const HandMotion& aim);
 
   const Problem& problem_;

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/number_text.hpp"
 
 namespace palpate {
 namespace {
@@ -36,6 +38,15 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
 }
 
 }  // namespace
+
+void refuseMistakenUnit(const Mesh& mesh, const Eigen::Vector3d& displacement) {
+  const double diagonal = boundingBox(mesh).diagonal().norm();
+  if (displacement.stableNorm() > 3 * diagonal)
+    throw badInput(
+        "displacement ({}) m is more than 3 times the diagonal of the body's bounding box "
+        "({:.4g} m); displacements are in metres",
+        vectorText(displacement, 6), diagonal);
+}
 
 Reached walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
              int transitions, Rescue rescue) {

@@ -6,6 +6,10 @@
 
 namespace palpate {
 
+/// Error (bad input) for a displacement (m) so large that the tool would leave the body. The user
+/// has probably used another unit.
+void refuseMistakenUnit(const Mesh& mesh, const Eigen::Vector3d& displacement);
+
 /// The reaction of walk() to a failed transition.
 enum class Rescue : std::uint8_t {
   none,  ///< ends the path at the failed transition

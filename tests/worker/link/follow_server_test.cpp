@@ -102,6 +102,13 @@ TEST_F(FollowServerTest, SaysThatThereIsNoEquilibriumAndGoesOn) {
   ASSERT_TRUE(none);
   EXPECT_FALSE(none->converged());
   EXPECT_FALSE(reply.followed().objection().empty());
+  hand_.hold = Hold{held.place, {0, -0.005, 0}};
+  const std::string of_hold = follow(socket, hand_).followed().objection();
+  EXPECT_FALSE(of_hold.empty());
+  EXPECT_NE(of_hold, reply.followed().objection()) << "it names the hold, not the hand";
+  hand_.hold = Hold{{0.02, 0.1, -0.05}, {0, -9, 0}};
+  EXPECT_FALSE(follow(socket, hand_).followed().objection().empty()) << "far outside the body";
+  hand_.hold = std::nullopt;
   EXPECT_TRUE(fromWire(follow(socket, hand_).followed())->converged());
 }
 
