@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/verification/rig.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/path.hpp"
-#include "tests/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {

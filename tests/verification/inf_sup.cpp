@@ -8,9 +8,9 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "worker/elements/kernel_family.hpp"
 #include "tests/verification/quadrature.hpp"
 #include "tests/verification/rig.hpp"
+#include "worker/elements/kernel_family.hpp"
 
 namespace palpate::verification {
 namespace {

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/program.hpp"
-#include "worker/elements/blas_kernels.hpp"
 #include "tests/verification/case.hpp"
+#include "worker/elements/blas_kernels.hpp"
 
 namespace palpate {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
-#include "worker/solver/transition.hpp"
 #include "tests/verification/rig.hpp"
+#include "worker/solver/transition.hpp"
 
 namespace palpate::verification {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "worker/solver/newton.hpp"
 #include "tests/verification/case.hpp"
 #include "tests/verification/meshes.hpp"
+#include "worker/solver/newton.hpp"
 
 /// Functions that verification problems share. They make bodies with materials, supports and loads,
 /// solve, and measure.

@@ -4,9 +4,9 @@
 
 #include "tests/support/body_models.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/verification/rig.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/newton.hpp"
-#include "tests/verification/rig.hpp"
 
 namespace palpate {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/body_models.hpp"
+#include "tests/verification/rig.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/tangent_solver.hpp"
-#include "tests/verification/rig.hpp"
 
 namespace palpate {
 namespace {
