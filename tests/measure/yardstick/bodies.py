@@ -15,7 +15,7 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-sys.path[:0] = [str(ROOT / "tests" / "worker" / "verification"), str(ROOT / "deploy" / "scenes")]
+sys.path[:0] = [str(ROOT / "tests" / "verification"), str(ROOT / "deploy" / "scenes")]
 
 from hard_reference import box
 from layers import surface_triangles, upright, vertex_normals, volumes, write_mesh
