@@ -75,6 +75,25 @@ TEST_F(TransitionTest, ForceIsMinusTheGradientOfTheEnergyAndStiffnessItsDerivati
   }
 }
 
+/// The patch and the fixed nodes hold all nodes of some elements, whose fibres lock.
+TEST_F(TransitionTest, ALargeForceOfTheToolExcusesNoResidualElsewhere) {
+  Scene scene = mooneyRivlinScene();
+  scene.regions[0].material = {.law = LawName::holzapfel_gasser_ogden,
+                               .mu = 3870,
+                               .k1 = 20000,
+                               .k2 = 40,
+                               .fibers = {Eigen::Vector3d::UnitX()}};
+  clamp(test::clampedProblem(scene, test::cubeMesh(0.1, 2), {0.05, 0.05, 0.05}, 0.051));
+  double largest = 0;
+  for (double pulled = 0.002; pulled < 0.03; pulled += 0.002) {
+    const Outcome outcome = reach({pulled, 0, 0});
+    if (!outcome.converged()) continue;
+    largest = std::max(largest, outcome.equilibrium().force.norm());
+    EXPECT_LT(outcome.configuration().residual, 1e-3);
+  }
+  EXPECT_GT(largest, 1e9);
+}
+
 TEST_F(TransitionTest, AWeightedToolMatchesItsEnergyAndStartsFromStoredFields) {
   Scene scene = mooneyRivlinScene();
   scene.fixed.groups = {"xmin"};
