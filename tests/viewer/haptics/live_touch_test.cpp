@@ -14,6 +14,14 @@ Expansion push() {
   return expansion;
 }
 
+LiveHand touchingAt(double time, const Eigen::Vector3d& force = Eigen::Vector3d::Zero()) {
+  LiveHand hand;
+  hand.time = time;
+  hand.touching = true;
+  hand.force = force;
+  return hand;
+}
+
 double forceOf(const LiveTouch& live) {
   AreaSample sample;
   sample.energy = 0;
@@ -27,7 +35,7 @@ void pass(LiveTouch& live, double seconds) {
 
 TEST(LiveTouch, GivesTheLoopTheNewestEquilibrium) {
   LiveTouch live(0.02);
-  live.publish({0, true, {}, {}, {0, 0, 2}});
+  live.publish(touchingAt(0, {0, 0, 2}));
   live.answer(push());
   pass(live, LiveCorrection::release_time);
   EXPECT_NEAR(forceOf(live), 2, 1e-3);
@@ -35,20 +43,20 @@ TEST(LiveTouch, GivesTheLoopTheNewestEquilibrium) {
 
 TEST(LiveTouch, TakesAnEquilibriumOnce) {
   LiveTouch live(0.02);
-  live.publish({0, true, {}, {}, {0, 0, 2}});
+  live.publish(touchingAt(0, {0, 0, 2}));
   live.answer(push());
   pass(live, LiveCorrection::release_time);
-  live.publish({0.03, false, {}, {}, {}});
+  live.publish({.time = 0.03});
   pass(live, LiveCorrection::release_time);
   EXPECT_EQ(forceOf(live), 0) << "it has faded out with the contact";
-  live.publish({0.06, true, {}, {}, {}});
+  live.publish(touchingAt(0.06));
   pass(live, LiveCorrection::release_time);
   EXPECT_EQ(forceOf(live), 0) << "and belongs to the contact before";
 }
 
 TEST(LiveTouch, IgnoresAnAnswerThatComesAfterTheContact) {
   LiveTouch live(0.02);
-  live.publish({0, false, {}, {}, {}});
+  live.publish({});
   live.answer(push());
   pass(live, LiveCorrection::release_time);
   EXPECT_EQ(forceOf(live), 0);
@@ -57,7 +65,7 @@ TEST(LiveTouch, IgnoresAnAnswerThatComesAfterTheContact) {
 TEST(LiveTouch, ChangesTheForceByAFewMillinewtonsInATick) {
   LiveTouch live(0.02);
   live.publish({});
-  live.publish({0, true, {}, {}, {}});
+  live.publish(touchingAt(0));
   Expansion weak = push();
   weak.equilibrium.force[2] = 0.5;
   live.answer(weak);
@@ -73,7 +81,7 @@ TEST(LiveTouch, ChangesTheForceByAFewMillinewtonsInATick) {
 
 TEST(LiveTouch, ForgetsTheLastAnswersSmoothlyIfNoneFollow) {
   LiveTouch live(0.02);
-  live.publish({0, true, {}, {}, {0, 0, 2}});
+  live.publish(touchingAt(0, {0, 0, 2}));
   live.answer(push());
   pass(live, 0.1);
   EXPECT_NEAR(forceOf(live), 2, 1e-3);
@@ -96,7 +104,7 @@ TEST(LiveTouch, ForgetsTheLastAnswersSmoothlyIfNoneFollow) {
 
 TEST(LiveTouch, WaitsLongerForASolverThatIsAlwaysSlow) {
   LiveTouch live(0.02);
-  live.publish({0, true, {}, {}, {0, 0, 2}});
+  live.publish(touchingAt(0, {0, 0, 2}));
   pass(live, 0.3);
   live.answer(push());
   for (int n = 0; n < 4; ++n) {
@@ -108,14 +116,14 @@ TEST(LiveTouch, WaitsLongerForASolverThatIsAlwaysSlow) {
 
 TEST(LiveTouch, ShowsTheHandToTheAskingThread) {
   LiveTouch live(0.02);
-  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}, {}});
+  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}});
   EXPECT_EQ(live.hand().time, 0.5);
   EXPECT_TRUE(live.hand().touching);
   EXPECT_EQ(live.hand().displacement, Eigen::Vector3d(4, 5, 6));
   EXPECT_FALSE(live.hand().hold);
   live.setHold(Hold{{7, 8, 9}, {1, 1, 1}});
   live.begin(0.001);
-  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}, {}});
+  live.publish({0.5, true, {1, 2, 3}, {4, 5, 6}});
   EXPECT_EQ(live.hand().hold.value().place, Eigen::Vector3d(7, 8, 9));
   EXPECT_FALSE(live.holdForce().force.allFinite()) << "nothing is known yet";
 }
