@@ -83,7 +83,7 @@ HostAddress lookUp(const std::string& host) {
   int error = getaddrinfo(host.c_str(), nullptr, &wanted, &all);
   std::array<char, NI_MAXHOST> text{};
   bool of_ipv6 = false;
-  if (error == 0) {
+  if (error == 0 && all != nullptr) {
     const addrinfo* chosen = all;
     while (chosen != nullptr && chosen->ai_family != AF_INET) chosen = chosen->ai_next;
     of_ipv6 = chosen == nullptr;

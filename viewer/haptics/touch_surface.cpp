@@ -292,7 +292,7 @@ SurfacePoint TouchSurface::preferTouchable(const SurfacePoint& point) const noex
   exact.barycentric.maxCoeff(&corner);
   for (const std::int32_t triangle : trianglesAt(triangles_[at(exact.triangle)][at(corner)])) {
     if (!touchable(triangle)) continue;
-    const SurfacePoint seen = seenFrom(triangle, exact);
+    SurfacePoint seen = seenFrom(triangle, exact);
     if (seen.barycentric.sum() > 1 - rounding) return seen;
   }
   return point;
