@@ -168,7 +168,7 @@ void printJson(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
     answer["at"] = toJson(*place);
     answer["drive"] = orNull(found, toJson(alongSurface(mesh, *place, e.drive)));
   }
-  if (reached.held) answer["hold_force"] = orNull(found, toJson(reached.held->force));
+  if (reached.held) answer["hold_force"] = orNull(found, toJson(reached.held->force.head<3>()));
   fmt::print("{}\n", answer.dump());
 }
 
@@ -189,8 +189,9 @@ void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
       fmt::print("drive         {} N, along the surface\n",
                  vectorText(alongSurface(mesh, *place, e.drive), 6, " "));
     if (reached.held)
-      fmt::print("force on hold {} N   ({:.6g} N)\n", vectorText(reached.held->force, 6, " "),
-                 reached.held->force.norm());
+      fmt::print("force on hold {} N   ({:.6g} N)\n",
+                 vectorText(reached.held->force.head<3>(), 6, " "),
+                 reached.held->force.head<3>().norm());
     fmt::print("energy        {:.6g} J\nmin det F     {:.4g}\n", e.energy, e.min_det_F);
   }
   fmt::print("cost          {}, {}, {:.3f} s\n",

@@ -11,18 +11,19 @@ Eigen::Vector3d twice(const SymmetricSlope& slope, const Eigen::Vector3d& v) {
   return slope.transpose() * products;
 }
 
-/// Adds the terms of a hold that moves by dh.
+/// Adds the terms of a hold that has moved to `hold`.
 void addHold(const Held& held, const Eigen::Vector3d& ds, const Eigen::Vector3d& dp,
-             const Eigen::Vector3d& dh, Expansion::Sample& sample) {
-  const Eigen::Vector3d force = held.force_by_hold * dh, drive = held.drive_by_hold * dh,
-                        of_hold = held.stiffness * dh;
-  sample.energy -= held.force.dot(dh) + 0.5 * of_hold.dot(dh) + force.dot(dp) + drive.dot(ds);
-  sample.force += force;
-  sample.drive += drive;
-  const Eigen::Vector3d change =
-      of_hold + held.force_by_hold.transpose() * dp + held.drive_by_hold.transpose() * ds;
-  sample.hold_force = held.force + change;
-  sample.last_terms += force.norm();
+             const Hold& hold, Expansion::Sample& sample) {
+  Vector6d moved, hand;
+  moved << hold.displacement - held.at.displacement, hold.place - held.at.place;
+  hand << dp, ds;
+  const Vector6d on_hand = held.hand_by_hold * moved, of_hold = held.stiffness * moved;
+  sample.energy -= (held.force + 0.5 * of_hold).dot(moved) + on_hand.dot(hand);
+  sample.force += on_hand.head<3>();
+  sample.drive += on_hand.tail<3>();
+  const Eigen::Vector3d change = (of_hold + held.hand_by_hold.transpose() * hand).head<3>();
+  sample.hold_force = held.force.head<3>() + change;
+  sample.last_terms += on_hand.head<3>().norm();
   sample.hold_last_terms = change.norm();
 }
 
@@ -48,7 +49,7 @@ Expansion::Sample Expansion::at(const Eigen::Vector3d& s, const Eigen::Vector3d&
   sample.drive = e.drive + e.drive_stiffness * dp + drive_by_s + 0.5 * twice(e.stiffness_by_s, dp) +
                  symmetricOf(e.drive_slope_by_p * dp) * ds;
   sample.last_terms = e.stiffness_by_p.isZero(0) ? (force_by_p + force_by_s).norm() : third.norm();
-  if (held && hold) addHold(*held, ds, dp, hold->displacement - held->at.displacement, sample);
+  if (held && hold) addHold(*held, ds, dp, *hold, sample);
   return sample;
 }
 

@@ -6,28 +6,32 @@
 
 namespace palpate {
 
-/// A second finger, which holds the body: it stays at one place of the surface.
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// A second finger, which holds the body and can slide over its surface.
 struct Hold {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< m
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< m, on the surface at rest
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
 };
 
-/// Derivatives of a finger's energy E(s, p) with respect to the displacement h of a hold.
+/// Derivatives of a finger's energy E(s, p) with respect to the displacement h and the place t of a
+/// hold. Vectors and matrices have three rows or columns for displacements, then three for places.
 struct Held {
-  Hold at;                                          ///< the hold in the equilibrium
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, -dE/dh, of the tissue on the hold
-  /// N/m, [a, b] = d force_a / d h_b, symmetric
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
-  /// N/m, [a, b] = d force_a / d h_b and d drive_a / d h_b, of the moving finger. The transposes
-  /// are the derivatives of the hold's force with respect to p and s.
-  Eigen::Matrix3d force_by_hold = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d drive_by_hold = Eigen::Matrix3d::Zero();
+  Hold at;  ///< the hold in the equilibrium
+  /// N, -dE/dh, the force of the tissue on the hold, and -dE/dt, which drives it along the surface.
+  Vector6d force = Vector6d::Zero();
+  /// N/m, [a, b] = d force_a / d (h, t)_b, symmetric
+  Matrix6d stiffness = Matrix6d::Zero();
+  /// N/m, [a, b] = derivatives of the force and the drive of the moving finger with respect to
+  /// (h, t)_b. The transpose is the derivative of the hold's force with respect to (p, s).
+  Matrix6d hand_by_hold = Matrix6d::Zero();
 };
 
 /// Taylor polynomial of a finger's energy E(s, p) at one of its equilibria. It is complete to
 /// second order in the place s and the displacement p, and to third order except for d3E/ds3. Force
 /// and drive are exact derivatives of this polynomial, so their work around a closed loop is zero.
-/// With a hold, the energy also depends on its displacement, to second order.
+/// With a hold, the energy also depends on its displacement and place, to second order.
 struct Expansion {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();         ///< s of the equilibrium, metres
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< p of the equilibrium, metres
@@ -45,8 +49,8 @@ struct Expansion {
     double last_terms = 0;
     double hold_last_terms = 0;  ///< N, likewise for hold_force, whose highest terms are the first
   };
-  /// Evaluates the polynomial at s and p, metres, with the hold, if there is one, at the
-  /// displacement of `hold`. Real time.
+  /// Evaluates the polynomial at s and p, metres, with the hold, if both are given, at `hold`. Real
+  /// time.
   Sample at(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
             const std::optional<Hold>& hold = {}) const noexcept;
   /// Sets the third derivatives to zero if they would double the stiffness within `distance`,

@@ -171,7 +171,8 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, o
 }
 
 /// Returns the bytes of a matrix row by row, as readMatrix expects them.
-std::string matrixBytes(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& rows) {
+std::string matrixBytes(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = matrix;
   return {reinterpret_cast<const char*>(rows.data()), at(rows.size()) * sizeof(double)};
 }
 
@@ -205,8 +206,7 @@ bool readHold(const wire::Hold& message, Hold& hold) {
 bool readHeld(const wire::Held& message, Held& held) {
   return readHold(message.at(), held.at) && readMatrix(message.force(), held.force) &&
          readMatrix(message.stiffness(), held.stiffness) &&
-         readMatrix(message.force_by_hold(), held.force_by_hold) &&
-         readMatrix(message.drive_by_hold(), held.drive_by_hold);
+         readMatrix(message.hand_by_hold(), held.hand_by_hold);
 }
 
 void toWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
@@ -544,10 +544,9 @@ void toWire(const Followed& followed, wire::Followed& message) {
   if (!expansion.held) return;
   wire::Held& held = *message.mutable_held();
   toWire(expansion.held->at, *held.mutable_at());
-  setVector(expansion.held->force, *held.mutable_force());
+  held.set_force(matrixBytes(expansion.held->force));
   held.set_stiffness(matrixBytes(expansion.held->stiffness));
-  held.set_force_by_hold(matrixBytes(expansion.held->force_by_hold));
-  held.set_drive_by_hold(matrixBytes(expansion.held->drive_by_hold));
+  held.set_hand_by_hold(matrixBytes(expansion.held->hand_by_hold));
 }
 
 std::optional<Followed> fromWire(const wire::Followed& message) {

@@ -20,7 +20,7 @@ namespace palpate {
 
 /// Version of the protocol, raised with every incompatible change. A peer's first message, Hello,
 /// contains it, and the scheduler refuses peers with another version.
-inline constexpr std::uint32_t protocol_version = 4;
+inline constexpr std::uint32_t protocol_version = 5;
 
 /// Largest number of messages from one connection that wait in a ROUTER. Further messages wait at
 /// the peer.

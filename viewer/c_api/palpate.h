@@ -455,15 +455,23 @@ typedef struct palpate_touches {
 } palpate_touches;
 
 /* Creates n contacts with the same options. options: NULL for the defaults; options->live must be
- * NULL. threads: number of threads that update them, including the calling one; 0: one per core.
- * The others sleep between calls. A contact needs 6 kB of memory. Pass *contacts to
- * palpate_contacts_destroy later; it is NULL on failure. */
+ * NULL (see palpate_contacts_follow). threads: number of threads that update them, including the
+ * calling one; 0: one per core. The others sleep between calls. A contact needs 6 kB of memory.
+ * Pass *contacts to palpate_contacts_destroy later; it is NULL on failure. */
 PALPATE_API palpate_status palpate_contacts_create(const palpate_dataset* dataset,
                                                    const palpate_contact_options* options, size_t n,
                                                    int32_t threads, palpate_contacts** contacts);
 
 /* Destroys the contacts and ends their threads; NULL is ignored. */
 PALPATE_API void palpate_contacts_destroy(palpate_contacts* contacts);
+
+/* Lets a live solver of this dataset follow contact number `index`; NULL: none. Ends the touch of
+ * this contact. A live solver follows one contact at a time, and takes a core. Call
+ * palpate_contacts_update every `period` of the live solvers. Errors: PALPATE_INVALID_ARGUMENT if
+ * the contact does not exist, or if `live` is of another dataset or in use; the contact then has
+ * none. */
+PALPATE_API palpate_status palpate_contacts_follow(palpate_contacts* contacts, size_t index,
+                                                   const palpate_live* live);
 
 /* Sets the friction coefficients for later updates: n numbers, >= 0. If one is invalid, none
  * changes. */
@@ -535,13 +543,14 @@ PALPATE_API void palpate_live_stop(palpate_live* live);
 
 /* A second finger, which holds the body while the contact touches it. It sticks to the surface at
  * `place` (m, at rest) and keeps the displacement `displacement` (m) there, also if it must pull.
- * Another place is a new hold; place = NULL ends it. The contact feels it as soon as the live
- * solver has answered (`mean_seconds`). Only one thread may call these two functions, which may be
- * another one than that of the contact. Real time. palpate_live_hold_force writes the force of the
- * tissue on the hold, N, in the last update of the contact; NaN without a hold, while the contact
- * does not touch, and before the live solver has answered. Until then, and if no finger can be at
- * `place`, the error bound of the contact is at least its force. Errors: PALPATE_INVALID_ARGUMENT
- * for NULL in another place, and for numbers that are not finite. */
+ * Further calls move it and slide it over the surface. A jump of `place` or `displacement` by over
+ * a quarter of the finger's radius is a new hold; place = NULL ends it. The contact feels a hold as
+ * soon as the live solver has answered (`mean_seconds`). Only one thread may call these two
+ * functions, which may be another one than that of the contact. Real time. palpate_live_hold_force
+ * writes the force of the tissue on the hold, N, in the last update of the contact; NaN without a
+ * hold, while the contact does not touch, and before the live solver has answered. Until then, and
+ * if no finger can be at `place`, the error bound of the contact is at least its force. Errors:
+ * PALPATE_INVALID_ARGUMENT for NULL in another place, and for numbers that are not finite. */
 PALPATE_API palpate_status palpate_live_hold(palpate_live* live, const double place[3],
                                              const double displacement[3]);
 PALPATE_API palpate_status palpate_live_hold_force(palpate_live* live, double force[3]);

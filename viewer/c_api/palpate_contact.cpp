@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -13,23 +14,48 @@
 
 using namespace palpate;
 
+namespace {
+
+/// A live solver in use by one contact.
+class UsedLive {
+ public:
+  /// `live`: may be null. Refuses a live solver of another dataset and one that is in use.
+  UsedLive(const char* name, const palpate_live* live, const LoadedDataset& dataset) {
+    if (live == nullptr) return;
+    if (live->scene->loaded.get() != &dataset)
+      refuse("{} belongs to another dataset; use palpate_live_dataset", name);
+    if (live->scene->in_use.exchange(true))
+      refuse("another contact uses {}; destroy it first", name);
+    scene_ = live->scene;
+  }
+  ~UsedLive() {
+    if (scene_) scene_->in_use = false;
+  }
+  UsedLive(const UsedLive&) = delete;
+  UsedLive& operator=(const UsedLive&) = delete;
+
+  void correct(Contact& contact) const {
+    if (scene_) contact.correctBy(&scene_->touch, &scene_->loaded->model, scene_->period);
+  }
+
+ private:
+  std::shared_ptr<LiveScene> scene_;
+};
+
+}  // namespace
+
 struct palpate_contact {
   palpate_contact(const palpate_dataset& dataset, const ContactOptions& options, std::size_t method,
-                  std::shared_ptr<LiveScene> scene)
-      : loaded(dataset.loaded), live(std::move(scene)), contact(loaded->model, options) {
+                  const palpate_live* live)
+      : loaded(dataset.loaded),
+        used("options->live", live, *loaded),
+        contact(loaded->model, options) {
     contact.use(loaded->model, method);
-    // Last, because the destructor does not run after a failure.
-    if (live && live->in_use.exchange(true))
-      refuse("another contact uses options->live; destroy it first");
+    used.correct(contact);
   }
-  ~palpate_contact() {
-    if (live) live->in_use = false;
-  }
-  palpate_contact(const palpate_contact&) = delete;
-  palpate_contact& operator=(const palpate_contact&) = delete;
 
   std::shared_ptr<const LoadedDataset> loaded;
-  std::shared_ptr<LiveScene> live;  ///< null: no live solver
+  const UsedLive used;
   Contact contact;
 };
 
@@ -67,6 +93,7 @@ struct palpate_contacts {
     std::uint32_t code = 0;
   };
   const std::shared_ptr<const LoadedDataset> loaded;
+  std::map<std::size_t, UsedLive> lives;  ///< of some of the contacts
   std::vector<Contact> contacts;
   /// Order in which contacts are updated. Neighbours read the same part of the dataset, which then
   /// still is in the cache.
@@ -108,21 +135,14 @@ struct Chosen {
     if (given.mode != PALPATE_UNILATERAL && given.mode != PALPATE_GLUED)
       refuse("options->mode is {}; it must be PALPATE_UNILATERAL or PALPATE_GLUED", given.mode);
     contact.mode = given.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
-    if (given.live != nullptr) {
-      live = given.live->scene;
-      if (live->loaded != dataset.loaded)
-        refuse("options->live belongs to another dataset; use palpate_live_dataset");
-      contact.live = &live->touch;
-      contact.live_model = &live->loaded->model;
-      contact.period = live->period;
-    }
+    live = given.live;
     takeOver(given, contact, numbers);
     method = indexOf("method", given.method, dataset.loaded->model.methods().size());
   }
 
   ContactOptions contact;
   std::size_t method = 0;
-  std::shared_ptr<LiveScene> live;  ///< null: no live solver
+  const palpate_live* live = nullptr;  ///< null: no live solver
 };
 
 /// Copies a touch into element n of each of the caller's arrays that is not NULL.
@@ -229,7 +249,8 @@ palpate_status palpate_contacts_create(const palpate_dataset* dataset,
   return answered(__func__, [&] {
     need("contacts", contacts) = nullptr;
     const Chosen chosen(options, need("dataset", dataset));
-    if (chosen.live) refuse("options->live must be NULL; a live solver follows a single contact");
+    if (chosen.live != nullptr)
+      refuse("options->live must be NULL; use palpate_contacts_follow for each live solver");
     if (n > most_contacts) refuse("n is {}; it must be at most {}", n, most_contacts);
     if (threads < 0 || threads > most_threads)
       refuse("threads is {}; it must be from 0 to {}", threads, most_threads);
@@ -239,6 +260,20 @@ palpate_status palpate_contacts_create(const palpate_dataset* dataset,
 }
 
 void palpate_contacts_destroy(palpate_contacts* contacts) { delete contacts; }
+
+palpate_status palpate_contacts_follow(palpate_contacts* contacts, std::size_t index,
+                                       const palpate_live* live) {
+  return answered(__func__, [&] {
+    palpate_contacts& all = need("contacts", contacts);
+    if (index >= all.contacts.size())
+      refuse("contact {} does not exist; there are {}", index, all.contacts.size());
+    all.contacts[index].correctBy(nullptr, nullptr, 0);
+    all.lives.erase(index);
+    if (live == nullptr) return;
+    all.lives.try_emplace(index, "live", live, *all.loaded)
+        .first->second.correct(all.contacts[index]);
+  });
+}
 
 palpate_status palpate_contacts_set_frictions(palpate_contacts* contacts, const double* frictions) {
   return answered(__func__, [&] {

@@ -12,6 +12,8 @@ namespace {
 
 /// Distance in s or in p at which the influence of an expansion ends, in finger radii.
 constexpr double reach_radii = 1;
+/// Step of the hold's place or displacement that makes it another hold, in reaches.
+constexpr double hold_jump = 0.25;
 /// b, the weight of the area's energy. An expansion weighs at most 1, and 0.005 at half of its
 /// reach.
 constexpr double area_weight = 1e-4;
@@ -42,9 +44,9 @@ double growthOf(const Expansion& expansion, double distance) {
                                                         : distance;
 }
 
-/// Returns the place of an expansion's hold, if it has one.
-std::optional<Eigen::Vector3d> holdPlaceOf(const Expansion& expansion) {
-  return expansion.held ? std::optional(expansion.held->at.place) : std::nullopt;
+/// Returns the squared distance of two holds.
+double squaredDistance(const Hold& a, const Hold& b) {
+  return (a.place - b.place).squaredNorm() + (a.displacement - b.displacement).squaredNorm();
 }
 
 }  // namespace
@@ -54,8 +56,9 @@ LiveCorrection::LiveCorrection(double finger_radius) : reach_(reach_radii * fing
 }
 
 void LiveCorrection::add(const Expansion& expansion, double seconds) noexcept {
-  const bool is_alone = now_.size == 0 || holdPlaceOf(expansion) != holdPlaceOf(now_.expansions[0]);
-  Pair next = {{expansion, now_.expansions[0]}, is_alone ? 1u : 2u};
+  const bool is_for_hold = isForHold(expansion),
+             is_alone = now_.size == 0 || !now_.is_for_hold || !is_for_hold;
+  Pair next = {{expansion, now_.expansions[0]}, is_alone ? 1u : 2u, is_for_hold};
   next.expansions[0].dropMeaningless(no_doubling_within * reach_);
   if (level_ >= 1) {
     before_ = now_;
@@ -75,15 +78,27 @@ void LiveCorrection::release(double seconds) noexcept {
   rate_ = 1 / seconds;
 }
 
+void LiveCorrection::setHold(const std::optional<Hold>& hold) noexcept {
+  const bool is_same =
+      hold.has_value() == hold_.has_value() &&
+      (!hold || squaredDistance(*hold, *hold_) < hold_jump * hold_jump * reach_ * reach_);
+  if (!is_same) before_.is_for_hold = now_.is_for_hold = false;
+  hold_ = hold;
+}
+
+bool LiveCorrection::isForHold(const Expansion& expansion) const noexcept {
+  if (!hold_ || !expansion.held) return !hold_ && !expansion.held;
+  return squaredDistance(*hold_, expansion.held->at) < reach_ * reach_;
+}
+
+/// Returns the weight of an expansion at (s, p), with the hold at `hold` if one is given.
 LiveCorrection::Weight LiveCorrection::weightOf(const Expansion& expansion,
-                                                const Eigen::Vector3d& s,
-                                                const Eigen::Vector3d& p) const noexcept {
+                                                const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                                                const std::optional<Hold>& hold) const noexcept {
   const Eigen::Vector3d ds = (s - expansion.place) / reach_,
                         dp = (p - expansion.displacement) / reach_;
   double squared = ds.squaredNorm() + dp.squaredNorm();
-  if (hasThisHold(expansion) && hold_)
-    squared +=
-        (hold_->displacement - expansion.held->at.displacement).squaredNorm() / (reach_ * reach_);
+  if (hold) squared += squaredDistance(*hold, expansion.held->at) / (reach_ * reach_);
   if (!(squared < 1)) return {};
   const Wendland ending(std::sqrt(squared));
   const double near = squared + softening, factor = softening * softening / (near * near);
@@ -92,19 +107,15 @@ LiveCorrection::Weight LiveCorrection::weightOf(const Expansion& expansion,
           2 * by_squared / reach_ * dp};
 }
 
-bool LiveCorrection::hasThisHold(const Expansion& expansion) const noexcept {
-  return holdPlaceOf(expansion) == (hold_ ? std::optional(hold_->place) : std::nullopt);
-}
-
 HoldForce LiveCorrection::holdForce(const Eigen::Vector3d& s,
                                     const Eigen::Vector3d& p) const noexcept {
-  if (!hold_ || now_.size == 0 || !hasThisHold(now_.expansions[0])) return {};
+  if (!hold_ || !now_.is_for_hold) return {};
   std::array<Weight, 2> weights;
   std::array<Expansion::Sample, 2> samples;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double sum = 0;
   for (std::size_t n = 0; n < now_.size; ++n) {
-    weights[n] = weightOf(now_.expansions[n], s, p);
+    weights[n] = weightOf(now_.expansions[n], s, p, hold_);
     samples[n] = now_.expansions[n].at(s, p, hold_);
     force += weights[n].value * samples[n].hold_force;
     sum += weights[n].value;
@@ -150,10 +161,11 @@ double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const E
                              AreaSample& sample) const noexcept {
   std::array<Weight, 2> weights;
   std::array<Expansion::Sample, 2> samples;
+  const std::optional<Hold> hold = pair.is_for_hold ? hold_ : std::nullopt;
   double sum = area_weight, energy = area_weight * sample.energy;
   for (std::size_t n = 0; n < pair.size; ++n) {
-    weights[n] = weightOf(pair.expansions[n], s, p);
-    samples[n] = pair.expansions[n].at(s, p, hold_);
+    weights[n] = weightOf(pair.expansions[n], s, p, hold);
+    samples[n] = pair.expansions[n].at(s, p, hold);
     sum += weights[n].value;
     energy += weights[n].value * samples[n].energy;
   }
@@ -181,7 +193,7 @@ double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const E
         weights[n].value / sum *
         errorOf((samples[n].force - blended.force).norm(),
                 growthOf(pair.expansions[n], weights[n].distance), samples[n].last_terms);
-  if (pair.size > 0 && !hasThisHold(pair.expansions[0]))
+  if (pair.size > 0 && !pair.is_for_hold)
     blended.error_bound = std::max(blended.error_bound, blended.force.norm());
   if (share > 0.5) {
     blended.inside = blended.error_bound < std::max(blended.force.norm(), known_within);

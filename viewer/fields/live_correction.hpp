@@ -26,8 +26,9 @@ struct HoldForce {
 /// equilibria. When an expansion is added, the blend fades to the new pair. While neither the
 /// expansions nor the fade change, force and drive are the negative gradient of one energy.
 ///
-/// A second finger may hold the body. The expansions depend on its displacement too. The area does
-/// not, so while there is a hold, its error bound counts as at least the magnitude of its force.
+/// A second finger may hold the body. The expansions depend on its place and displacement too. The
+/// area does not, so while there is a hold, its error bound counts as at least the magnitude of its
+/// force.
 ///
 /// One thread. Real time: does not allocate, lock, throw or log.
 class LiveCorrection {
@@ -41,9 +42,12 @@ class LiveCorrection {
   /// Begins to fade to the pair of this expansion and the previous one, within `seconds`, 0 or
   /// more. A fade in progress continues at its rate, toward the new pair.
   void add(const Expansion& expansion, double seconds) noexcept;
-  /// Sets the hold, or none. Until an expansion for a hold at this place is added, the old ones are
-  /// used, and the error bound is at least the magnitude of the force.
-  void setHold(const std::optional<Hold>& hold) noexcept { hold_ = hold; }
+  /// Sets the hold, or none. One that begins, ends, or jumps by over a quarter of the finger's
+  /// radius is another one: until an expansion for it is added, the old ones are used as if their
+  /// hold had not moved, and the error bound is at least the magnitude of the force.
+  void setHold(const std::optional<Hold>& hold) noexcept;
+  /// Returns whether an expansion is for the hold, or for none if there is none.
+  bool isForHold(const Expansion& expansion) const noexcept;
   void advance(double seconds) noexcept;
   /// Begins to fade to the area alone, within `seconds`.
   void release(double seconds = release_time) noexcept;
@@ -63,15 +67,15 @@ class LiveCorrection {
   struct Pair {
     std::array<Expansion, 2> expansions;  ///< the newest first
     std::size_t size = 0;
+    bool is_for_hold = false;  ///< whether both are for hold_
   };
   struct Weight {
     double value = 0, distance = 0;                  ///< distance: 0 to 1, in reaches
     Eigen::Vector3d by_s = Eigen::Vector3d::Zero();  ///< 1/m
     Eigen::Vector3d by_p = Eigen::Vector3d::Zero();  ///< 1/m
   };
-  Weight weightOf(const Expansion& expansion, const Eigen::Vector3d& s,
-                  const Eigen::Vector3d& p) const noexcept;
-  bool hasThisHold(const Expansion& expansion) const noexcept;
+  Weight weightOf(const Expansion& expansion, const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                  const std::optional<Hold>& hold) const noexcept;
   double blend(const Pair& pair, const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                AreaSample& sample) const noexcept;
 

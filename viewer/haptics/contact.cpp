@@ -148,6 +148,14 @@ void Contact::release() noexcept {
   last_tool_ = nowhere();
 }
 
+void Contact::correctBy(LiveTouch* live, const HapticModel* live_model, double period) {
+  release();
+  options_.live = live;
+  options_.live_model = live_model;
+  options_.period = period;
+  force_ = BlendedForce(live, live_model);
+}
+
 void Contact::use(const HapticModel& model, std::size_t method) noexcept {
   const bool same = sameSurface(model_->surface(), model.surface());
   const bool kept =

@@ -100,6 +100,9 @@ class Contact {
   void release() noexcept;
   /// Sets the friction coefficient for later updates, >= 0.
   void setFriction(double friction) noexcept { options_.friction = friction; }
+  /// Ends the touch; later ones are corrected by a live solver (ContactOptions::live, live_model
+  /// and period), or by none if `live` is null.
+  void correctBy(LiveTouch* live, const HapticModel* live_model, double period);
   /// Switches to another model or method. Contact is kept if both surfaces have the same triangles
   /// and vertices and the anchor is touchable in the new model.
   void use(const HapticModel& model, std::size_t method) noexcept;

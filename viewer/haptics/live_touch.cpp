@@ -54,8 +54,9 @@ void LiveTouch::begin(double period) noexcept {
 
 /// Returns the duration of the fade to an expansion, s.
 double LiveTouch::fadeOf(const Expansion& expansion, double period) const noexcept {
+  const std::optional<Hold> hold = correction_.isForHold(expansion) ? last_.hold : std::nullopt;
   const double change =
-      (expansion.at(last_.place, last_.displacement, last_.hold).force - last_.force).norm();
+      (expansion.at(last_.place, last_.displacement, hold).force - last_.force).norm();
   const double allowed = std::max(largest_fade_step, largest_fade_share * last_.force.norm());
   // A smooth step is 1.5 times as steep in its middle as a linear one.
   return std::min(1.5 * period * change / allowed, longest_fade);

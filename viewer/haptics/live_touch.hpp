@@ -42,7 +42,8 @@ struct LiveStatistics {
 /// Belongs to the areas of one model, whose fingers have the same radius.
 ///
 /// A second finger of this radius can hold the body while the hand touches it. It sticks to its
-/// place and also pulls. It has no effect on the hand until the live solver has answered.
+/// place, which may slide, and also pulls. It has no effect on the hand until the live solver has
+/// answered.
 class LiveTouch {
  public:
   /// `finger_radius`: m.
@@ -66,7 +67,7 @@ class LiveTouch {
   }
 
   // The thread that moves the hold; real time.
-  /// Moves the hold. Another place is a new hold; nullopt ends it.
+  /// Moves the hold; nullopt ends it. A jump is a new hold (LiveCorrection::setHold).
   void setHold(const std::optional<Hold>& hold) noexcept { holds_.write(hold); }
   /// Returns the force on the hold in the last tick; NaN without a hold, while the hand does not
   /// touch, and before the live solver has answered.

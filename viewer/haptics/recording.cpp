@@ -294,9 +294,7 @@ std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const Touch
           !touch.displacement.allFinite())
         throw badInput("{}: tick {} touches another body; record the second finger on this mesh",
                        source, holds.size() + 1);
-      const bool sticks = !holds.empty() && holds.back();
-      const Eigen::Vector3d place = sticks ? holds.back()->place : touch.anchor;
-      hold = {place, touch.displacement + (touch.anchor - place)};
+      hold = {touch.anchor, touch.displacement};
     }
     holds.push_back(hold);
   }

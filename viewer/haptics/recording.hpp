@@ -125,9 +125,8 @@ Recording readRecording(const std::filesystem::path& file);
 /// otherwise the hand would move at another speed than in the recording. `source`: its name.
 void checkReplay(const Recording& recording, double period, const std::string& source);
 
-/// Returns the holds of a second finger that sticks to the body where the recorded tool begins to
-/// touch it, and moves with this tool until the touch ends; one per tick. Error (bad input) if a
-/// touch is not on `surface`.
+/// Returns the holds of a second finger that holds, moves and slides as the recorded tool touched;
+/// one per tick. Error (bad input) if a touch is not on `surface`.
 std::vector<std::optional<Hold>> holdsOf(const Recording& recording, const TouchSurface& surface,
                                          const std::string& source);
 

@@ -44,7 +44,7 @@ bool Follower::isNear(const HandMotion& aim) const {
     return (a - b).norm() <= far_away * radius_;
   };
   if (!at_ || aim.hold.has_value() != hold_.has_value()) return false;
-  const bool is_held_alike = !hold_ || (aim.hold->place == hold_->place &&
+  const bool is_held_alike = !hold_ || (areNear(aim.hold->place, hold_->place) &&
                                         areNear(aim.hold->displacement, hold_->displacement));
   return is_held_alike && areNear(aim.place, at_->place) &&
          areNear(aim.displacement, at_->state.displacement);
@@ -70,8 +70,7 @@ Reached Follower::fromRest(const Finger& finger, const HandMotion& aim) {
   if (aim.hold || hold_) release();
   solver_.letGo();
   if (!aim.hold) return fromRest(hand_name, finger, aim.displacement);
-  const Finger holding = fingerNear(hold_name, problem_.mesh, aim.hold->place, radius_);
-  Reached held = fromRest(hold_name, holding, aim.hold->displacement);
+  Reached held = fromRest(hold_name, {aim.hold->place, radius_}, aim.hold->displacement);
   if (!held.outcome.converged()) return held;
   Failure failure;
   const auto start = solver_.hold(*held.end, finger, failure);
@@ -98,15 +97,17 @@ Followed Follower::follow(const HandMotion& hand) {
   }
 }
 
-Followed Follower::solveAt(const HandMotion& aim) {
+Followed Follower::solveAt(HandMotion aim) {
   refuseMistakenUnit(problem_.mesh, aim.displacement);
-  if (aim.hold) refuseMistakenUnit(problem_.mesh, aim.hold->displacement);
   const Finger finger = fingerNear(hand_name, problem_.mesh, aim.place, radius_);
+  if (aim.hold) {
+    refuseMistakenUnit(problem_.mesh, aim.hold->displacement);
+    aim.hold->place = fingerNear(hold_name, problem_.mesh, aim.hold->place, radius_).center;
+  }
   Reached reached;
   Cost spent;
   if (isNear(aim)) {
-    reached = solver_.follow(*at_, finger, aim.displacement,
-                             aim.hold ? aim.hold->displacement : Eigen::Vector3d::Zero());
+    reached = solver_.follow(*at_, finger, aim.displacement, aim.hold.value_or(Hold()));
     spent = reached.outcome.cost;
   }
   if (!reached.outcome.converged()) {
@@ -117,7 +118,6 @@ Followed Follower::solveAt(const HandMotion& aim) {
   if (!reached.outcome.converged()) return {reached.outcome.failure(), spent};
   at_ = std::move(reached.end);
   hold_ = aim.hold;
-  if (reached.held) reached.held->at = *aim.hold;  // as asked, so that the client can compare
   return {Expansion{finger.center, aim.displacement, reached.outcome.equilibrium(), reached.held},
           spent};
 }

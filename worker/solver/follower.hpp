@@ -16,9 +16,9 @@ class Follower {
   Follower(const Problem& problem, const ElementKernels& kernels, double radius);
 
   /// Predicts the position of the hand after 1.5 times the expected duration of a solve, and solves
-  /// for the equilibrium there. Starts from rest if there is no equilibrium yet, if the hand is far
-  /// from the last equilibrium, if a hold begins, ends or moves to another place, or if the
-  /// transition from the last equilibrium fails. From rest, the hold comes first and then the hand.
+  /// for the equilibrium there. Starts from rest if there is no equilibrium yet, if the hand or the
+  /// hold is far from the last equilibrium, if a hold begins or ends, or if the transition from the
+  /// last equilibrium fails. From rest, the hold comes first and then the hand.
   /// Error (bad input) if no finger can be at the hand's place or that of the hold, for instance
   /// beside fixed nodes, or if a displacement is larger than the body.
   Followed follow(const HandMotion& hand);
@@ -28,7 +28,7 @@ class Follower {
 
  private:
   HandMotion aimed(const HandMotion& hand) const;
-  Followed solveAt(const HandMotion& aim);
+  Followed solveAt(HandMotion aim);
   bool isNear(const HandMotion& aim) const;
   Reached pathFrom(const Start& start, const Eigen::Vector3d& target);
   Reached fromRest(const char* name, const Finger& finger, const Eigen::Vector3d& target);

@@ -125,7 +125,6 @@ class System {
   /// displacement stays at State::held_displacement. nullopt: nothing holds the body. The chosen
   /// tool must be weighted too, and must not have the same weights.
   void hold(std::optional<Tool> tool);
-  bool isHeld() const { return hold_.has_value(); }
   const std::optional<Tool>& tool() const { return tool_; }  ///< the chosen tool
 
   /// Multiplies the loads by this factor, 1 by default.

@@ -104,7 +104,7 @@ struct TransitionSolver::Step {
 struct TransitionSolver::Linearization {
   Tangent tangent;
   /// -d(Residual::free)/dp. At the end of a finger's transition the columns of slopeByPlace() and,
-  /// with a hold, the derivatives with respect to its displacement follow.
+  /// with a hold, the derivatives with respect to its displacement and its place follow.
   Eigen::MatrixXd right_hand_sides;
   TangentSolver::Refined sensitivity;  ///< solution for these right-hand sides
 };
@@ -135,15 +135,20 @@ void TransitionSolver::chooseTool(std::size_t space) {
 }
 
 void TransitionSolver::placeFinger(const std::string& what, const Finger& finger) {
-  finger_ = checkedFinger(what, problem_.mesh, problem_.fixed, finger);
-  place_ = finger.center;
-  PALPATE_ASSERT(finger_->gradients.size() == finger_->nodes.size() &&
-                     finger_->curvatures.size() == finger_->nodes.size(),
-                 "a finger's weights must have derivatives with respect to its place");
+  finger_ = placed(what, finger);
   tool_ = {finger_->nodes, finger_->weights};
   system_.chooseTool(tool_);
   near_tool_ = {};
   space_.reset();
+}
+
+TransitionSolver::PlacedFinger TransitionSolver::placed(const std::string& what,
+                                                        const Finger& finger) const {
+  PlacedFinger placed = {checkedFinger(what, problem_.mesh, problem_.fixed, finger), finger.center};
+  PALPATE_ASSERT(placed.gradients.size() == placed.nodes.size() &&
+                     placed.curvatures.size() == placed.nodes.size(),
+                 "a finger's weights must have derivatives with respect to its place");
+  return placed;
 }
 
 std::optional<Start> TransitionSolver::startAtRest(Failure& failure) {
@@ -222,7 +227,7 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   // The multiplier that balances the body best (least squares). At an equilibrium it is the
   // multiplier of the equilibrium.
   // Beside a hold, the tool starts without force.
-  if (system_.multipliers() > 0 && !system_.isHeld()) {
+  if (system_.multipliers() > 0 && !hold_) {
     const Eigen::Matrix3d weight = tangent.border.transpose() * tangent.border;
     start.exerted = start.state.multiplier -
                     weight.inverse() *
@@ -273,20 +278,36 @@ std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
   return solver_.solveWith(tangent, right_hand_sides, tolerance);
 }
 
-/// Returns -d(Residual::free)/ds of the finger, one column per axis. Rows of unknowns are
-/// B'^T multiplier and multiplier rows are B' (u - u_rest), with B' = dB/ds for the weights B.
-Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
+/// Returns -d(Residual::free)/ds of a finger with this multiplier, one column per axis. Rows of
+/// unknowns are B'^T multiplier, and the rows of the multiplier, from gap_row on, are
+/// B' (u - u_rest), with B' = dB/ds for the weights B.
+Eigen::MatrixXd TransitionSolver::slopeByPlace(const PlacedFinger& finger, const State& state,
+                                               const Eigen::Vector3d& multiplier,
+                                               std::int32_t gap_row) const {
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(system_.unknowns() + system_.multipliers(), 3);
   const State& rest = system_.restState();
-  for (std::size_t n = 0; n < finger_->nodes.size(); ++n) {
-    const std::int32_t node = finger_->nodes[n];
-    const Eigen::Vector3d& gradient = finger_->gradients[n];
-    slope.bottomRows<3>() +=
+  for (std::size_t n = 0; n < finger.nodes.size(); ++n) {
+    const std::int32_t node = finger.nodes[n];
+    const Eigen::Vector3d& gradient = finger.gradients[n];
+    slope.middleRows<3>(gap_row) +=
         (ofNode(state.u, at(node)) - ofNode(rest.u, at(node))) * gradient.transpose();
     for (int i = 0; i < 3; ++i)
-      slope.row(system_.numbers().at({node, i})) = state.multiplier[i] * gradient.transpose();
+      slope.row(system_.numbers().at({node, i})) = multiplier[i] * gradient.transpose();
   }
   return slope;
+}
+
+/// Returns multiplier . B'' (u - u_rest), with B'' = d2B/ds2 for the weights B of a finger.
+Eigen::Matrix3d TransitionSolver::curvatureByPlace(const PlacedFinger& finger, const State& state,
+                                                   const Eigen::Vector3d& multiplier) const {
+  Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
+  const State& rest = system_.restState();
+  for (std::size_t n = 0; n < finger.nodes.size(); ++n) {
+    const auto node = at(finger.nodes[n]);
+    curvature +=
+        multiplier.dot(ofNode(state.u, node) - ofNode(rest.u, node)) * finger.curvatures[n];
+  }
+  return curvature;
 }
 
 /// Sets the derivatives of the energy with respect to s. A is the matrix of a Newton step, r is
@@ -303,13 +324,8 @@ void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
   const auto by_p = refined.solution.leftCols<3>(), by_s = refined.solution.middleCols<3>(3);
   const auto left_by_p = refined.residual.leftCols<3>(),
              left_by_s = refined.residual.middleCols<3>(3);
-  Eigen::Matrix3d slope = r.transpose() * by_s - by_s.transpose() * left_by_s;
-  const State& rest = system_.restState();
-  for (std::size_t n = 0; n < finger_->nodes.size(); ++n) {
-    const auto node = at(finger_->nodes[n]);
-    slope +=
-        state.multiplier.dot(ofNode(state.u, node) - ofNode(rest.u, node)) * finger_->curvatures[n];
-  }
+  const Eigen::Matrix3d slope = r.transpose() * by_s - by_s.transpose() * left_by_s +
+                                curvatureByPlace(*finger_, state, state.multiplier);
   const Eigen::Matrix3d by_displacement = r.transpose() * by_p - by_s.transpose() * left_by_p;
   // Added to zero, so that a zero is 0 and not -0.
   equilibrium.drive = Eigen::Vector3d::Zero() + r.bottomRows<3>().transpose() * state.multiplier;
@@ -330,11 +346,15 @@ Cause TransitionSolver::judge(NewtonResult& newton, Use use, Linearization& here
     return Cause::inverted_element;
   here.right_hand_sides = -here.tangent.tool_coupling;
   if (use != Use::passed && finger_) {
-    here.right_hand_sides.conservativeResize(Eigen::NoChange, system_.isHeld() ? 9 : 6);
-    here.right_hand_sides.middleCols<3>(3) = slopeByPlace(newton.state);
-    if (system_.isHeld()) {
-      here.right_hand_sides.rightCols<3>().setZero();
-      here.right_hand_sides.block<3, 3>(system_.unknowns(), 6) = -Eigen::Matrix3d::Identity();
+    const State& state = newton.state;
+    const std::int32_t first = system_.unknowns(), last = first + system_.multipliers() - 3;
+    here.right_hand_sides.conservativeResize(Eigen::NoChange, hold_ ? 12 : 6);
+    here.right_hand_sides.middleCols<3>(3) = slopeByPlace(*finger_, state, state.multiplier, last);
+    if (hold_) {
+      here.right_hand_sides.middleCols<3>(6).setZero();
+      here.right_hand_sides.block<3, 3>(first, 6) = -Eigen::Matrix3d::Identity();
+      here.right_hand_sides.rightCols<3>() =
+          slopeByPlace(*hold_, state, state.held_multiplier, first);
     }
   }
   auto sensitivity = solveSensitivity(newton, here.tangent, here.right_hand_sides,
@@ -373,16 +393,19 @@ Equilibrium TransitionSolver::equilibriumAt(const NewtonResult& newton,
   return equilibrium;
 }
 
-/// Returns the derivatives of the energy with respect to the displacement of the hold. They follow
-/// from dE/dh = multiplier of the hold, and from the symmetry of second derivatives (setDrive).
+/// Returns the derivatives of the energy with respect to the displacement h and the place t of the
+/// hold. They follow from dE/dh = multiplier of the hold, as those of setDrive().
 Held TransitionSolver::heldAt(const State& state, const Linearization& here) const {
-  const Eigen::MatrixXd by_hold = here.sensitivity.solution.rightCols<3>();
-  const Eigen::Matrix3d stiffness = -by_hold.middleRows<3>(system_.unknowns());
-  return {.at = {hold_place_, state.held_displacement},
-          .force = -state.held_multiplier,
-          .stiffness = 0.5 * (stiffness + stiffness.transpose()),
-          .force_by_hold = -by_hold.bottomRows<3>(),
-          .drive_by_hold = here.right_hand_sides.middleCols<3>(3).transpose() * by_hold};
+  const auto r = here.right_hand_sides.rightCols<6>(),
+             by_hold = here.sensitivity.solution.rightCols<6>();
+  Matrix6d stiffness = r.transpose() * by_hold;
+  stiffness.bottomRightCorner<3, 3>() += curvatureByPlace(*hold_, state, state.held_multiplier);
+  Held held = {.at = {hold_->place, state.held_displacement},
+               .stiffness = 0.5 * (stiffness + stiffness.transpose()),
+               .hand_by_hold = here.right_hand_sides.leftCols<6>().transpose() * by_hold};
+  held.force << -state.held_multiplier,
+      r.block<3, 3>(system_.unknowns(), 3).transpose() * state.held_multiplier;
+  return held;
 }
 
 /// Makes the state to which Newton converged the end of `step`. Returns Cause::none, or why the
@@ -396,10 +419,11 @@ Cause TransitionSolver::accept(NewtonResult& newton, Use use, Step& step) {
               -step.equilibrium.force};
   if (use != Use::passed && finger_) {
     step.end.sensitivity_by_place = here.sensitivity.solution.middleCols<3>(3);
-    step.end.place = place_;
-    if (system_.isHeld()) {
+    step.end.place = finger_->place;
+    if (hold_) {
       step.held = heldAt(step.end.state, here);
-      step.end.sensitivity_by_hold = here.sensitivity.solution.rightCols<3>();
+      step.end.sensitivity_by_hold = here.sensitivity.solution.rightCols<6>();
+      step.end.hold_place = hold_->place;
     }
   }
   return Cause::none;
@@ -556,14 +580,15 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
 
 std::optional<Start> TransitionSolver::hold(const Start& end, const Finger& second,
                                             Failure& failure) {
-  PALPATE_ASSERT(finger_ && !system_.isHeld(), "only one finger can hold the body");
+  PALPATE_ASSERT(finger_ && !hold_, "only one finger can hold the body");
   State state = end.state;
   state.held_displacement = state.displacement;
   state.held_multiplier = state.multiplier;
-  hold_place_ = place_;
   const Tool holding = tool_;
+  const PlacedFinger first = *finger_;
   placeFinger("the second finger", second);
   system_.hold(holding);
+  hold_ = first;
   state.displacement.setZero();
   state.multiplier.setZero();
   for (std::size_t n = 0; n < tool_.nodes.size(); ++n)
@@ -572,16 +597,26 @@ std::optional<Start> TransitionSolver::hold(const Start& end, const Finger& seco
   return linearize(std::move(state), failure);
 }
 
-void TransitionSolver::letGo() { system_.hold(std::nullopt); }
+void TransitionSolver::letGo() {
+  system_.hold(std::nullopt);
+  hold_.reset();
+}
+
+/// Moves the hold to the place of `finger`.
+void TransitionSolver::moveHold(const Finger& finger) {
+  if (hold_->place == finger.center) return;
+  hold_ = placed("the hold", finger);
+  system_.hold(Tool{hold_->nodes, hold_->weights});
+}
 
 Reached TransitionSolver::follow(const Start& start, const Finger& finger,
-                                 const Eigen::Vector3d& target, const Eigen::Vector3d& held) {
+                                 const Eigen::Vector3d& target, const Hold& hold) {
   PALPATE_ASSERT(start.sensitivity_by_place.cols() == 3,
                  "the start must have derivatives with respect to the finger's place");
   const double began = threadSeconds();
   const Eigen::Vector3d way = target - start.state.displacement,
                         slide = finger.center - start.place,
-                        held_way = held - start.state.held_displacement;
+                        held_way = hold.displacement - start.state.held_displacement;
   Reached reached;
   Cost& cost = reached.outcome.cost;
   const Start* from = &start;
@@ -597,10 +632,15 @@ Reached TransitionSolver::follow(const Start& start, const Finger& finger,
     Eigen::VectorXd predictor = from->sensitivity * (p - from->state.displacement) +
                                 from->sensitivity_by_place * (moved.center - from->place);
     State begun = from->state;
-    if (system_.isHeld()) {
+    if (hold_) {
       begun.held_displacement = start.state.held_displacement + next * held_way;
-      predictor +=
-          from->sensitivity_by_hold * (begun.held_displacement - from->state.held_displacement);
+      moveHold({last ? hold.place
+                     : Eigen::Vector3d(start.hold_place + next * (hold.place - start.hold_place)),
+                finger.radius});
+      Vector6d held;
+      held << begun.held_displacement - from->state.held_displacement,
+          hold_->place - from->hold_place;
+      predictor += from->sensitivity_by_hold * held;
     }
     NewtonOptions options = loosened(options_.newton);
     options.begin_with_old_factors = solver_.useFactorsWith(system_.border());

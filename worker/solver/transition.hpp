@@ -42,8 +42,9 @@ struct Start {
   Eigen::Vector3d exerted = Eigen::Vector3d::Zero();
   // Only at the end of a finger's transition:
   Eigen::MatrixXd sensitivity_by_place = {};        ///< d(unknowns and multipliers)/ds, s = place
-  Eigen::MatrixXd sensitivity_by_hold = {};         ///< by the displacement of a hold, or empty
+  Eigen::MatrixXd sensitivity_by_hold = {};         ///< by (h, t) of a hold (Held), or empty
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< of the finger, metres
+  Eigen::Vector3d hold_place = Eigen::Vector3d::Zero();  ///< of a hold, metres
 };
 
 /// The result of a transition, or of a path of several transitions (path.hpp).
@@ -108,15 +109,15 @@ class TransitionSolver {
   void letGo();
 
   /// Moves a finger from `start` to a nearby place of the surface and to a nearby displacement
-  /// `target`, metres, and a hold to the displacement `held`, which is ignored without a hold. Used
-  /// by the live solver. Chooses the finger as the tool; errors as from placeFinger(). `start`: the
-  /// end of a follow() or of a finger's reach(). Uses the factors that the solver holds as long as
-  /// they are good enough.
+  /// `target`, metres. If the body is held, moves the hold, which has the finger's radius, to
+  /// `hold`. Used by the live solver. Chooses the finger as the tool; errors as from placeFinger().
+  /// `start`: the end of a follow() or of a finger's reach(). Uses the factors that the solver
+  /// holds as long as they are good enough.
   ///
   /// The outcome is as valid as that of reach(), and lies on the branch of `start`. To save time,
   /// it is accurate to about five digits only, so it must not be stored in a dataset.
   Reached follow(const Start& start, const Finger& finger, const Eigen::Vector3d& target,
-                 const Eigen::Vector3d& held = Eigen::Vector3d::Zero());
+                 const Hold& hold = {});
 
   /// Checks whether a limit point is the reason for a failed transition. The search starts from the
   /// last state that `failed` reached. If there is a limit point, sets the cause in `failed` to
@@ -130,7 +131,13 @@ class TransitionSolver {
   enum class Use : std::uint8_t { passed, felt, stored };
   struct Step;
   struct Linearization;
+  /// A finger at a place of the surface, metres.
+  struct PlacedFinger : FingerWeights {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  };
 
+  PlacedFinger placed(const std::string& what, const Finger& finger) const;
+  void moveHold(const Finger& finger);
   bool solveRest(Failure& failure);
   bool isTooStrong(const Eigen::Vector3d& force) const {
     return finger_ && force.norm() > options_.largest_force;
@@ -148,7 +155,10 @@ class TransitionSolver {
   void setFields(const State& state, const Eigen::Vector3d& target, Configuration& reached) const;
   void setDrive(const State& state, const Eigen::MatrixXd& slope_by_place,
                 const TangentSolver::Refined& refined, Equilibrium& equilibrium) const;
-  Eigen::MatrixXd slopeByPlace(const State& state) const;
+  Eigen::MatrixXd slopeByPlace(const PlacedFinger& finger, const State& state,
+                               const Eigen::Vector3d& multiplier, std::int32_t gap_row) const;
+  Eigen::Matrix3d curvatureByPlace(const PlacedFinger& finger, const State& state,
+                                   const Eigen::Vector3d& multiplier) const;
   Held heldAt(const State& state, const Linearization& here) const;
   std::optional<TangentSolver::Refined> solveSensitivity(NewtonResult& newton,
                                                          const Tangent& tangent,
@@ -159,13 +169,12 @@ class TransitionSolver {
   TransitionOptions options_;
   System system_;
   TangentSolver solver_;
-  std::optional<std::size_t> space_;     ///< space of the chosen tool; none for a placed finger
-  Tool tool_;                            ///< the chosen tool
-  std::optional<FingerWeights> finger_;  ///< if the tool is a finger
-  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();       ///< of the finger, metres
-  Eigen::Vector3d hold_place_ = Eigen::Vector3d::Zero();  ///< of the finger that holds, metres
-  Neighborhood near_tool_;  ///< nodes around a rigid tool, otherwise empty
-  bool at_rest_ = false;    ///< the rest state of the system has been set
+  std::optional<std::size_t> space_;    ///< space of the chosen tool; none for a placed finger
+  Tool tool_;                           ///< the chosen tool
+  std::optional<PlacedFinger> finger_;  ///< if the tool is a finger
+  std::optional<PlacedFinger> hold_;    ///< if a second finger holds the body
+  Neighborhood near_tool_;              ///< nodes around a rigid tool, otherwise empty
+  bool at_rest_ = false;                ///< the rest state of the system has been set
 };
 
 }  // namespace palpate

@@ -151,6 +151,7 @@ _signatures: dict[str, tuple[Any, list[Any]]] = {
     "contact_use": (_status, [_handle, _handle, c_int32]),
     "contacts_create": (_status, [_handle, POINTER(ContactOptions), c_size_t, c_int32, POINTER(_handle)]),
     "contacts_destroy": (None, [_handle]),
+    "contacts_follow": (_status, [_handle, c_size_t, _handle]),
     "contacts_set_frictions": (_status, [_handle, POINTER(c_double)]),
     "contacts_update": (_status, [_handle, POINTER(c_double), POINTER(c_uint8), POINTER(Touches)]),
     "contacts_touch": (_status, [_handle, c_size_t, POINTER(Touch)]),

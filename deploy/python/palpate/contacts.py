@@ -16,6 +16,8 @@ from .dataset import Dataset, arrays_for
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from .live import Live
+
 
 @dataclass(frozen=True, eq=False)
 class Touches(ByValue):
@@ -68,6 +70,13 @@ class Contacts(_library.Handle):
 
     def __len__(self) -> int:
         return self._count
+
+    def follow(self, index: int, live: Live | None) -> None:
+        """Lets a live solver of this dataset follow one contact, whose touch ends; None: none.
+
+        A live solver follows one contact at a time, and takes a core. Call ``update`` every ``period`` seconds then.
+        """
+        _library.call("contacts_follow", self.handle, index, None if live is None else live.handle)
 
     def set_friction(self, friction: npt.ArrayLike) -> None:
         """Sets the Coulomb friction coefficients for later updates: one, or one per contact, (n,)."""

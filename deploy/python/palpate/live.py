@@ -73,7 +73,8 @@ class Live(_library.Handle):
         """Lets a second finger hold the body while the contact touches it, for instance for a pinch.
 
         It sticks to the surface at ``place`` (m, at rest) and keeps the ``displacement`` (m) there, also if it must pull.
-        Another place is a new hold. The contact feels it as soon as the live solver has answered.
+        Call it again to move it or to slide it over the surface. A jump of the place or the displacement by over a quarter of
+        the finger's radius is a new hold. The contact feels a hold as soon as the live solver has answered.
         """
         _library.call("live_hold", self.handle, position(place), position(displacement))
 

@@ -66,12 +66,12 @@ TEST(Expansion, HasForceAndDriveThatAreTheGradientOfItsEnergy) {
 TEST(Expansion, HasForcesThatAreTheGradientOfItsEnergyWithAHoldThatMoves) {
   Expansion expansion = arbitrary();
   Held& held = expansion.held.emplace();
-  held.at.displacement = {0.1, 0.2, -0.1};
-  held.force = {0.3, -0.7, 0.2};
-  held.stiffness = expansion.equilibrium.stiffness + Eigen::Matrix3d::Identity();
-  held.force_by_hold << 1, 2, 3, 4, 5, 6, 7, 8, 9;
-  held.drive_by_hold << 3, 1, 4, 1, 5, 9, 2, 6, 5;
-  const Hold hold = {held.at.place, {0.4, -0.1, 0.3}};
+  held.at = {{0.5, -0.2, 0.3}, {0.1, 0.2, -0.1}};
+  held.force << 0.3, -0.7, 0.2, 0.4, 0.1, -0.5;
+  const Vector6d arbitrary_column = Vector6d::LinSpaced(-0.4, 1.3);
+  held.stiffness = arbitrary_column * arbitrary_column.transpose() + Matrix6d::Identity();
+  held.hand_by_hold = held.force * arbitrary_column.transpose() - 2 * Matrix6d::Identity();
+  const Hold hold = {{0.2, 0.1, 0.4}, {0.4, -0.1, 0.3}};
   const auto here = expansion.at(s, p, hold);
   constexpr double h = 1e-5;
   for (int i = 0; i < 3; ++i) {

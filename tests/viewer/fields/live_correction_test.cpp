@@ -110,17 +110,19 @@ TEST_F(LiveCorrectionTest, FadesOutWhenTheHandIsReleased) {
   EXPECT_EQ(at(touched_place, pressed_by).force, springAt(100, touched_place, pressed_by).force);
 }
 
-/// A hold that adds 20 N/m times its displacement to the force.
+/// A hold whose displacement adds 20 N/m to the force, and whose place adds 10 N/m.
 Expansion heldAt(const Hold& hold) {
   Expansion expansion = expansionOf(150, touched_place, pressed_by);
-  expansion.held = Held{.at = hold,
-                        .force = {0, 0, 0.5},
-                        .stiffness = -80 * Eigen::Matrix3d::Identity(),
-                        .force_by_hold = 20 * Eigen::Matrix3d::Identity()};
+  Held& held = expansion.held.emplace();
+  held.at = hold;
+  held.force[2] = 0.5;
+  held.stiffness.diagonal() << -80, -80, -80, -40, -40, -40;
+  held.hand_by_hold.topRows<3>() << 20 * Eigen::Matrix3d::Identity(),
+      10 * Eigen::Matrix3d::Identity();
   return expansion;
 }
 
-TEST_F(LiveCorrectionTest, FollowsAHoldThatMoves) {
+TEST_F(LiveCorrectionTest, FollowsAHoldThatMovesAndSlides) {
   Hold hold = {{0.05, 0, 0}, {0, 0, 0.002}};
   live_.setHold(hold);
   live_.add(heldAt(hold), 0);
@@ -131,6 +133,33 @@ TEST_F(LiveCorrectionTest, FollowsAHoldThatMoves) {
   live_.setHold(hold);
   EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.58, 2e-3);
   EXPECT_NEAR(live_.holdForce(touched_place, pressed_by).force[2], 0.5 - 80 * 0.004, 1e-9);
+  for (int tick = 0; tick < 4; ++tick) {
+    hold.place[0] += 0.001;
+    live_.setHold(hold);
+  }
+  EXPECT_NEAR(at(touched_place, pressed_by).force[0], 0.04, 2e-3);
+  EXPECT_LT(at(touched_place, pressed_by).error_bound, 1);
+  for (int tick = 0; tick < 20; ++tick) {
+    hold.place[0] += 0.001;
+    live_.setHold(hold);
+  }
+  EXPECT_EQ(at(touched_place, pressed_by).force, springAt(100, touched_place, pressed_by).force)
+      << "the expansion is too far away";
+}
+
+TEST_F(LiveCorrectionTest, ExtrapolatesNoHoldThatJumps) {
+  Hold hold = {{0.05, 0, 0}, {0, 0, 0.002}};
+  live_.setHold(hold);
+  live_.add(heldAt(hold), 0);
+  live_.advance(1e-3);
+  hold.displacement[2] += 0.012;
+  live_.setHold(hold);
+  EXPECT_NEAR(at(touched_place, pressed_by).force[2], 1.5, 1e-3) << "without a step";
+  EXPECT_GE(at(touched_place, pressed_by).error_bound, 1.49);
+  EXPECT_FALSE(live_.holdForce(touched_place, pressed_by).force.allFinite());
+  live_.add(heldAt(hold), 0);
+  live_.advance(1e-3);
+  EXPECT_LT(at(touched_place, pressed_by).error_bound, 0.01);
 }
 
 TEST_F(LiveCorrectionTest, BoundsTheErrorOfTheForceOnAHold) {

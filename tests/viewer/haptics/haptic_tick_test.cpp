@@ -290,7 +290,7 @@ TEST_F(HapticTickTest, LeavesASecondFingerAndLetsItGo) {
   found.place = tick.state().touch.anchor_position;
   found.displacement = tick.state().touch.displacement;
   found.held.emplace().at = *tick.state().hold;
-  found.held->force = {0, 0, 0.7};
+  found.held->force[2] = 0.7;
   live.answer(found);
   tick.run();
   EXPECT_NEAR(tick.state().hold_force.force.z(), 0.7, 1e-9);

@@ -92,6 +92,13 @@ class HeldBody : public FollowerTest {
     return {reached.outcome.equilibrium(), *reached.held};
   }
 
+  /// Returns force and drive of the moving finger.
+  static Vector6d forcesOf(const Both& both) {
+    Vector6d forces;
+    forces << both.equilibrium.force, both.equilibrium.drive;
+    return forces;
+  }
+
   const HandMotion other_ = {
       .place = fingerNear("test", problem_.mesh, {0.02, 0.1, -0.05}, followed_radius).center,
       .displacement = {0.004, -0.011, 0.005}};
@@ -101,22 +108,25 @@ TEST_F(HeldBody, HasTheSameForcesWhicheverFingerHolds) {
   const Both a = solve(hand_, other_), b = solve(other_, hand_);
   EXPECT_NEAR(a.equilibrium.energy, b.equilibrium.energy, 1e-7 * a.equilibrium.energy);
   const double force = a.equilibrium.force.norm(), stiffness = a.equilibrium.stiffness.norm();
-  EXPECT_LT((a.equilibrium.force - b.held.force).norm(), 1e-7 * force);
-  EXPECT_LT((a.held.force - b.equilibrium.force).norm(), 1e-7 * force);
-  EXPECT_LT((a.equilibrium.stiffness - b.held.stiffness).norm(), 1e-4 * stiffness);
-  EXPECT_LT((a.held.force_by_hold - b.held.force_by_hold.transpose()).norm(), 1e-4 * stiffness);
-  EXPECT_GT(a.held.force_by_hold.norm(), 1e-3 * stiffness) << "the fingers must feel each other";
+  EXPECT_LT((forcesOf(a) - b.held.force).norm(), 1e-7 * force);
+  EXPECT_LT((a.held.force - forcesOf(b)).norm(), 1e-7 * force);
+  Matrix6d own;
+  own << a.equilibrium.stiffness, a.equilibrium.drive_stiffness.transpose(),
+      a.equilibrium.drive_stiffness, a.equilibrium.drive_slope;
+  EXPECT_LT((own - b.held.stiffness).norm(), 1e-4 * stiffness);
+  EXPECT_LT((a.held.hand_by_hold - b.held.hand_by_hold.transpose()).norm(), 1e-4 * stiffness);
+  EXPECT_GT(a.held.hand_by_hold.norm(), 1e-3 * stiffness) << "the fingers must feel each other";
 }
 
 TEST_F(HeldBody, HasTheDerivativesOfItsEnergyWithRespectToTheHold) {
   const Both here = solve(other_, hand_);
   const double step = 1e-4;
-  for (int axis = 0; axis < 3; ++axis) {
+  for (int axis = 0; axis < 6; ++axis) {
     HandMotion up = other_, down = other_;
-    up.displacement[axis] += step;
-    down.displacement[axis] -= step;
+    (axis < 3 ? up.displacement : up.place)[axis % 3] += step;
+    (axis < 3 ? down.displacement : down.place)[axis % 3] -= step;
     const Both above = solve(up, hand_), below = solve(down, hand_);
-    const auto slope = [&](const auto& high, const auto& low) -> Eigen::Vector3d {
+    const auto slope = [&](const Vector6d& high, const Vector6d& low) -> Vector6d {
       return (high - low) / (2 * step);
     };
     const double stiffness = here.held.stiffness.norm();
@@ -124,18 +134,12 @@ TEST_F(HeldBody, HasTheDerivativesOfItsEnergyWithRespectToTheHold) {
                 -here.held.force[axis], 1e-4 * here.held.force.norm());
     EXPECT_LT((slope(above.held.force, below.held.force) - here.held.stiffness.col(axis)).norm(),
               1e-4 * stiffness);
-    EXPECT_LT((slope(above.equilibrium.force, below.equilibrium.force) -
-               here.held.force_by_hold.col(axis))
-                  .norm(),
-              1e-4 * stiffness);
-    EXPECT_LT((slope(above.equilibrium.drive, below.equilibrium.drive) -
-               here.held.drive_by_hold.col(axis))
-                  .norm(),
+    EXPECT_LT((slope(forcesOf(above), forcesOf(below)) - here.held.hand_by_hold.col(axis)).norm(),
               1e-4 * stiffness);
   }
 }
 
-TEST_F(HeldBody, IsFollowedWhileBothFingersMove) {
+TEST_F(HeldBody, IsFollowedWhileBothFingersMoveAndSlide) {
   Follower follower(problem_, chooseKernels(), followed_radius);
   hand_.hold = Hold{other_.place, other_.displacement};
   for (int n = 0; n < 3; ++n) {
@@ -143,7 +147,9 @@ TEST_F(HeldBody, IsFollowedWhileBothFingersMove) {
     ASSERT_TRUE(found.converged()) << describe(found.failure());
     const Expansion& expansion = found.expansion();
     ASSERT_TRUE(expansion.held);
-    const Both exact = solve({.place = other_.place, .displacement = hand_.hold->displacement},
+    const Hold& at = expansion.held->at;
+    EXPECT_LT((at.place - hand_.hold->place).norm(), 0.003) << "the surface is near";
+    const Both exact = solve({.place = at.place, .displacement = at.displacement},
                              {.place = expansion.place, .displacement = expansion.displacement});
     EXPECT_LT((expansion.equilibrium.force - exact.equilibrium.force).norm(),
               1e-4 * exact.equilibrium.force.norm());
@@ -151,6 +157,7 @@ TEST_F(HeldBody, IsFollowedWhileBothFingersMove) {
     hand_.place += Eigen::Vector3d(0, 0.003, 0.002);
     hand_.displacement += Eigen::Vector3d(-0.002, 0, 0.001);
     hand_.hold->displacement += Eigen::Vector3d(0.001, -0.002, 0);
+    hand_.hold->place += Eigen::Vector3d(0.003, 0, 0.003);
   }
   hand_.hold.reset();
   const Followed alone = follower.follow(hand_);
