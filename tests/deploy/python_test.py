@@ -562,6 +562,23 @@ class PythonLive(WithDatasets):
         self.assertTrue(touch.inside)
         self.assertIsExact(touch)
 
+    def testCorrectsOneOfManyContacts(self):
+        with palpate.Live(self.scene, self.dataset, worker=self.WORKER) as live, palpate.Contacts(self.dataset, 3) as many:
+            many.follow(1, live)
+            for index, given, problem in ((2, live, "another contact uses live"), (3, None, "contact 3 does not exist")):
+                with self.assertRaisesRegex(palpate.Error, problem):
+                    many.follow(index, given)
+            out = None
+            for n in range(2000):
+                out = many.update([(0.051, 0.048, max(0.101 - 6e-6 * n, 0.095))] * 2 + [(0.05, 0.05, 0.2)], out=out)
+                time.sleep(0.001)
+            self.assertEqual(list(out.touching), [True, True, False])
+            self.assertIsExact(many.touch(1))
+            self.assertTrue((out.force[0] != out.force[1]).any())
+            many.follow(1, None)
+            self.assertFalse(many.touch(1).touching)
+            palpate.Contact(self.dataset, live=live).close()
+
     def testFeelsASecondFingerThatHolds(self):
         with palpate.Live(self.scene, worker=self.WORKER) as live, palpate.Contact(live.dataset, live=live) as contact:
             self.press(contact, 1)
