@@ -1,5 +1,6 @@
 #include "worker/solver/follower.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "common/base/error.hpp"
@@ -24,7 +25,10 @@ constexpr const char *hand_name = "the hand", *hold_name = "the hold";  ///< in 
 }  // namespace
 
 Follower::Follower(const Problem& problem, const ElementKernels& kernels, double radius)
-    : problem_(problem), radius_(radius), solver_(problem, kernels) {
+    : problem_(problem),
+      radius_(radius),
+      free_share_(problem.mesh, problem.fixed, radius),
+      solver_(problem, kernels) {
   Failure none;
   if (!solver_.startAtRest(none))
     throw failure("scene \"{}\" has no state at rest, so nothing can be solved: {}",
@@ -89,12 +93,37 @@ Followed Follower::follow(const HandMotion& hand) {
   } catch (const Error& error) {
     if (error.exitCode() != ExitCode::usage) throw;
   }
+  HandMotion reachable = hand;  // the predicted place was invalid, for instance beside fixed nodes
+  if (const auto place = placeBeside(hand)) reachable.place = *place;
   try {
-    return solveAt(hand);  // the predicted place was invalid, for instance beside fixed nodes
+    return solveAt(reachable);
   } catch (const Error&) {
     release();  // the next solve starts at rest, in case fixed nodes are on the path
     throw;
   }
+}
+
+/// Returns a place near the hand where a finger can be, between the hand and the last equilibrium.
+/// Returns nullopt if one can be at the hand's place, or if that is far away. On the way from the
+/// last equilibrium a finger may soon meet fixed nodes, so it first tries to pass beside them.
+std::optional<Eigen::Vector3d> Follower::placeBeside(const HandMotion& hand) const {
+  const auto nearestTo = [&](const Eigen::Vector3d& point) {
+    return fingerNear(hand_name, problem_.mesh, point, radius_).center;
+  };
+  const auto isFree = [&](const Eigen::Vector3d& point) {
+    return !free_share_.isBelow(least_free_share, point);
+  };
+  if (!at_) return std::nullopt;
+  const Eigen::Vector3d way = hand.place - at_->place;
+  if (way.norm() > far_away * radius_ || isFree(nearestTo(hand.place))) return std::nullopt;
+  const Eigen::Vector3d axis = hand.displacement.stableNormalized();
+  for (const double angle : {0.3, -0.3, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2}) {
+    // In this direction, this is the point nearest to the hand.
+    const Eigen::Vector3d next = nearestTo(
+        at_->place + std::cos(angle) * (Eigen::AngleAxisd(angle, axis).toRotationMatrix() * way));
+    if (isFree(next)) return next;
+  }
+  return at_->place;
 }
 
 Followed Follower::solveAt(HandMotion aim) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "common/mesh/free_share.hpp"
 #include "common/space/following.hpp"
 #include "worker/solver/path.hpp"
 
@@ -19,8 +20,11 @@ class Follower {
   /// for the equilibrium there. Starts from rest if there is no equilibrium yet, if the hand or the
   /// hold is far from the last equilibrium, if a hold begins or ends, or if the transition from the
   /// last equilibrium fails. From rest, the hold comes first and then the hand.
-  /// Error (bad input) if no finger can be at the hand's place or that of the hold, for instance
-  /// beside fixed nodes, or if a displacement is larger than the body.
+  ///
+  /// If the hand slides to where no finger can be, because fixed nodes are too near, the
+  /// equilibrium is beside it, where one can be. Error (bad input) if the last equilibrium is far
+  /// away then, if no finger can be at the place of the hold, or if a displacement is larger than
+  /// the body.
   Followed follow(const HandMotion& hand);
 
   /// Forgets the last equilibrium. Call it when the hand has left the body.
@@ -29,6 +33,7 @@ class Follower {
  private:
   HandMotion aimed(const HandMotion& hand) const;
   Followed solveAt(HandMotion aim);
+  std::optional<Eigen::Vector3d> placeBeside(const HandMotion& hand) const;
   bool isNear(const HandMotion& aim) const;
   Reached pathFrom(const Start& start, const Eigen::Vector3d& target);
   Reached fromRest(const char* name, const Finger& finger, const Eigen::Vector3d& target);
@@ -36,6 +41,7 @@ class Follower {
 
   const Problem& problem_;
   const double radius_;
+  const FreeShare free_share_;
   TransitionSolver solver_;
   std::optional<Start> at_;   ///< the last equilibrium
   std::optional<Hold> hold_;  ///< the hold in the last equilibrium

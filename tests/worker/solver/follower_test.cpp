@@ -180,6 +180,29 @@ TEST_F(HeldBody, IsLetGoAlsoAfterAFailure) {
             1e-4 * alone.expansion().equilibrium.force.norm());
 }
 
+TEST_F(FollowerTest, StopsBesideFixedNodesWhenTheHandGoesOn) {
+  Follower follower(problem_, chooseKernels(), followed_radius);
+  const FreeShare free_share(problem_.mesh, problem_.fixed, followed_radius);
+  const Eigen::Vector3d fixed =
+      problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
+  const auto follow = [&] {
+    const Followed found = follower.follow(hand_);
+    EXPECT_TRUE(found.converged()) << describe(found.failure());
+    return found.expansion();
+  };
+  Eigen::Vector3d place = follow().place;
+  for (int n = 0; n < 200 && !free_share.isBelow(least_free_share, hand_.place); ++n) {
+    hand_.place += 0.003 * (fixed - hand_.place).normalized();
+    hand_.place = fingerNear("test", problem_.mesh, hand_.place, followed_radius).center;
+    place = follow().place;
+  }
+  ASSERT_TRUE(free_share.isBelow(least_free_share, hand_.place)) << "no finger can be there";
+  EXPECT_FALSE(free_share.isBelow(least_free_share, place));
+  EXPECT_LT((place - hand_.place).norm(), 0.003);
+  hand_.place = fixed;
+  EXPECT_LT((follow().place - place).norm(), 0.003) << "it stays at the limit";
+}
+
 TEST_F(FollowerTest, RefusesAPlaceThatIsFixed) {
   Follower follower(problem_, chooseKernels(), followed_radius);
   hand_.place = problem_.mesh.nodes[static_cast<std::size_t>(problem_.fixed.front())];
