@@ -175,7 +175,7 @@ class ViewSession {
     if (!unsolved_) followed_ = loadProblem(options_.live);
     build_id_ = problemId(*followed_);
     live_build_ = unsolved_ ? model.buildId() : build_id_;
-    live_.emplace(followedRadius(model, live_build_));
+    live_.emplace(followedRadius(model, live_build_), hasFibers(model));
     LiveLinkOptions link_options = {encodeProblem(*followed_), options_.follower};
     if (!options_.follower.empty()) link_options.keys = options_.keys.keys();
     followed_.reset();

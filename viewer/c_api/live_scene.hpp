@@ -16,7 +16,8 @@ struct LiveScene {
             bool guessed, double period_s)
       : loaded(std::move(corrected)),
         period(period_s),
-        touch(followedRadius(loaded->model, guessed ? loaded->model.buildId() : solver->build())),
+        touch(followedRadius(loaded->model, guessed ? loaded->model.buildId() : solver->build()),
+              hasFibers(loaded->model)),
         service(std::move(solver)) {
     service->start(touch);
   }

@@ -31,6 +31,9 @@ constexpr double no_doubling_within = 0.03;
 constexpr double known_within = 0.02;
 /// Relative error of the live solver's force (TransitionSolver::follow).
 constexpr double solver_error = 1e-4;
+/// The same with fibres: 99 % of touches beside an equilibrium of the gallery's muscle are within
+/// it.
+constexpr double error_with_fibers = 0.02;
 
 /// Returns the estimated error of one expansion, N. distance: in reaches.
 double errorOf(double disagreement, double distance, double last_terms) {
@@ -51,7 +54,9 @@ double squaredDistance(const Hold& a, const Hold& b) {
 
 }  // namespace
 
-LiveCorrection::LiveCorrection(double finger_radius) : reach_(reach_radii * finger_radius) {
+LiveCorrection::LiveCorrection(double finger_radius, bool has_fibers)
+    : reach_(reach_radii * finger_radius),
+      own_error_(has_fibers ? error_with_fibers : solver_error) {
   PALPATE_ASSERT(finger_radius > 0, "a finger must have a radius");
 }
 
@@ -121,7 +126,7 @@ HoldForce LiveCorrection::holdForce(const Eigen::Vector3d& s,
     sum += weights[n].value;
   }
   if (!(sum > 0)) return {};
-  HoldForce found = {force / sum, solver_error * force.norm() / sum};
+  HoldForce found = {force / sum, own_error_ * force.norm() / sum};
   for (std::size_t n = 0; n < now_.size; ++n)
     found.error_bound += weights[n].value / sum *
                          errorOf((samples[n].hold_force - found.force).norm(), weights[n].distance,
@@ -187,7 +192,7 @@ double LiveCorrection::blend(const Pair& pair, const Eigen::Vector3d& s, const E
   blended.stiffness /= sum;
   const double share = 1 - area_weight / sum;
   blended.error_bound =
-      (1 - share) * sample.error_bound + share * solver_error * blended.force.norm();
+      (1 - share) * sample.error_bound + share * own_error_ * blended.force.norm();
   for (std::size_t n = 0; n < pair.size; ++n)
     blended.error_bound +=
         weights[n].value / sum *

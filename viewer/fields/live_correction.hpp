@@ -36,8 +36,9 @@ class LiveCorrection {
   /// Duration of the fade to the area alone, s.
   static constexpr double release_time = 0.03;
 
-  /// `finger_radius`: m.
-  explicit LiveCorrection(double finger_radius);
+  /// `finger_radius`: m. has_fibers: SpaceTable::has_fibers. The stiffness of fibres jumps where
+  /// they become taut, which no expansion foresees.
+  explicit LiveCorrection(double finger_radius, bool has_fibers = false);
 
   /// Begins to fade to the pair of this expansion and the previous one, within `seconds`, 0 or
   /// more. A fade in progress continues at its rate, toward the new pair.
@@ -79,7 +80,8 @@ class LiveCorrection {
   double blend(const Pair& pair, const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                AreaSample& sample) const noexcept;
 
-  const double reach_;  ///< m
+  const double reach_;      ///< m
+  const double own_error_;  ///< relative error of an expansion's force at its equilibrium
   Pair before_, now_;
   std::optional<Hold> hold_;
   double level_ = 1;  ///< progress of the fade from before_ to now_, 0 to 1

@@ -37,6 +37,10 @@ double followedRadius(const HapticModel& model, ContentId build) {
   return areas.front().radius;
 }
 
+bool hasFibers(const HapticModel& model) {
+  return std::ranges::any_of(model.spaces(), &SpaceTable::has_fibers);
+}
+
 void LiveTouch::begin(double period) noexcept {
   const double before = waited_;
   waited_ = last_.touching ? waited_ + period : 0;

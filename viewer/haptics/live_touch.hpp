@@ -22,6 +22,8 @@ struct LiveHand {
 /// the model is not `build` (problemId of a scene), if no finger touches the model, or if its
 /// fingers have several radii.
 double followedRadius(const HapticModel& model, ContentId build);
+/// Returns whether the body has fibres (SpaceTable::has_fibers).
+bool hasFibers(const HapticModel& model);
 
 /// Statistics of a live solver: how well it keeps up with the hand.
 struct LiveStatistics {
@@ -46,8 +48,9 @@ struct LiveStatistics {
 /// answered.
 class LiveTouch {
  public:
-  /// `finger_radius`: m.
-  explicit LiveTouch(double finger_radius) : radius_(finger_radius), correction_(finger_radius) {}
+  /// As for LiveCorrection.
+  explicit LiveTouch(double finger_radius, bool has_fibers = false)
+      : radius_(finger_radius), correction_(finger_radius, has_fibers) {}
 
   double fingerRadius() const { return radius_; }  ///< m
 

@@ -147,6 +147,19 @@ TEST_F(LiveCorrectionTest, FollowsAHoldThatMovesAndSlides) {
       << "the expansion is too far away";
 }
 
+TEST(LiveCorrectionOfFibers, DoubtsEveryForce) {
+  const auto bound = [](bool has_fibers) {
+    LiveCorrection live(finger_radius, has_fibers);
+    live.add(expansionOf(150, touched_place, pressed_by), 0);
+    live.advance(1e-3);
+    AreaSample sample = springAt(100, touched_place, pressed_by);
+    live.correct(touched_place, pressed_by, sample);
+    return sample.error_bound / sample.force.norm();
+  };
+  EXPECT_LT(bound(false), 0.001);
+  EXPECT_NEAR(bound(true), 0.02, 0.001);
+}
+
 TEST_F(LiveCorrectionTest, ExtrapolatesNoHoldThatJumps) {
   Hold hold = {{0.05, 0, 0}, {0, 0, 0.002}};
   live_.setHold(hold);
